@@ -1,0 +1,44 @@
+// Files that appear whole or not at all: a reader, a crash or a full disk never sees half of one.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace canonpose {
+
+/// Creates `directory` and its parents. Throws Error(kBadInput) where that fails or something else stands there.
+void MakeDirectory(const std::filesystem::path& directory);
+
+/// A temporary file beside `path` that Commit() moves into place; without Commit() it is removed and `path` is untouched.
+class AtomicFile {
+ public:
+  /// Throws Error(kBadInput) where the folder does not exist or cannot be written.
+  explicit AtomicFile(std::filesystem::path path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  /// Where to write; exists, empty.
+  [[nodiscard]] const std::filesystem::path& temporary_path() const { return temporary_path_; }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+  /// Syncs the temporary file to disk and renames it to `path`. Throws Error(kBadInput), the old file kept.
+  void Commit();
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path temporary_path_;
+  bool committed_ = false;
+};
+
+/// Writes `contents` as a whole. Throws Error(kBadInput), with the system's reason and the old file kept.
+void WriteFileAtomically(const std::filesystem::path& path, std::string_view contents);
+
+/// The whole file. Throws Error(kBadInput) where it cannot be read.
+std::string ReadFile(const std::filesystem::path& path);
+
+/// Throws the Error(kBadInput) that tells why `path` could not be written, from the system's error number.
+[[noreturn]] void ThrowCannotWrite(const std::filesystem::path& path, int error_number);
+
+}  // namespace canonpose

@@ -1,0 +1,34 @@
+#include "canonpose/base/error.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace canonpose {
+
+std::string FormatBadInput(const BadInput& bad_input) {
+  std::string text = bad_input.file;
+  const auto append = [&text](const char* separator, const std::string& part) {
+    if (part.empty()) return;
+    if (!text.empty()) text += separator;
+    text += part;
+  };
+  append(": ", bad_input.place);
+  append(": ", bad_input.expected.empty() ? "" : "expected " + bad_input.expected);
+  append(bad_input.expected.empty() ? ": " : ", ", bad_input.found.empty() ? "" : "found " + bad_input.found);
+  append("; ", bad_input.advice);
+  // Text taken from a file may hold anything; the user gets one line.
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
+  return text;
+}
+
+void ThrowBadInput(const BadInput& bad_input) { throw Error(ExitCode::kBadInput, FormatBadInput(bad_input)); }
+
+namespace internal {
+void CheckFailed(const char* file, int line, const char* condition, const std::string& message) {
+  fmt::print(stderr, "{}:{}: check failed: {}{}{}\n", file, line, condition, message.empty() ? "" : ": ", message);
+  std::abort();
+}
+}  // namespace internal
+
+}  // namespace canonpose

@@ -1,0 +1,379 @@
+#include "canonpose/base/hdf5.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <hdf5.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <mutex>
+#include <type_traits>
+#include <utility>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/error.h"
+
+namespace canonpose::h5 {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Owns one HDF5 identifier.
+class Id {
+ public:
+  using Closer = herr_t (*)(hid_t);
+  Id(hid_t id, Closer closer) : id_(id), closer_(closer) {}
+  ~Id() { Close(); }
+  Id(const Id&) = delete;
+  Id& operator=(const Id&) = delete;
+  Id(Id&& other) noexcept : id_(std::exchange(other.id_, -1)), closer_(other.closer_) {}
+  Id& operator=(Id&&) = delete;
+  operator hid_t() const { return id_; }  // NOLINT: the library's functions take it everywhere
+  [[nodiscard]] bool valid() const { return id_ >= 0; }
+  herr_t Close() {
+    if (id_ < 0) return 0;
+    return closer_(std::exchange(id_, -1));
+  }
+
+ private:
+  hid_t id_;
+  Closer closer_;
+};
+
+/// HDF5 prints a stack of its own on every error; ours are told in one line.
+void SilenceLibrary() {
+  static std::once_flag once;
+  std::call_once(once, [] { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); });
+}
+
+template <typename T>
+hid_t MemoryType() {
+  if constexpr (std::is_same_v<T, float>) return H5T_NATIVE_FLOAT;
+  if constexpr (std::is_same_v<T, double>) return H5T_NATIVE_DOUBLE;
+  if constexpr (std::is_same_v<T, std::int64_t>) return H5T_NATIVE_INT64;
+}
+
+std::vector<std::size_t> ShapeOf(hid_t space) {
+  const int rank = H5Sget_simple_extent_ndims(space);
+  if (rank <= 0) return {};
+  std::vector<hsize_t> dimensions(static_cast<std::size_t>(rank));
+  H5Sget_simple_extent_dims(space, dimensions.data(), nullptr);
+  return {dimensions.begin(), dimensions.end()};
+}
+
+std::size_t CountOf(const std::vector<std::size_t>& shape) {
+  std::size_t count = 1;
+  for (const std::size_t size : shape) count *= size;
+  return count;
+}
+
+bool IsNumber(hid_t type) {
+  const H5T_class_t type_class = H5Tget_class(type);
+  // h5py stores bool as an enumeration of int8.
+  return type_class == H5T_INTEGER || type_class == H5T_FLOAT || type_class == H5T_ENUM;
+}
+
+std::string WithoutPadding(const char* text, std::size_t size) {
+  std::string value(text, std::find(text, text + size, '\0'));
+  return value;
+}
+
+Id VariableStringType() {
+  Id type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, H5T_VARIABLE);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  return type;
+}
+
+}  // namespace
+
+std::string FormatShape(const std::vector<std::size_t>& shape) { return fmt::format("({})", fmt::join(shape, ", ")); }
+
+// ------------------------------------------------------------------------------------------------------------ Group
+
+struct Group::State {
+  std::string file;
+  fs::path final_path;
+  std::shared_ptr<Id> file_id;
+  Id id;
+};
+
+const std::string& Group::file() const { return state_->file; }
+
+void Group::Fail(const std::string& name, const std::string& expected, const std::string& found,
+                 const std::string& advice) const {
+  ThrowBadInput({state_->file, (path_ == "/" ? "" : path_) + "/" + name, expected, found, advice});
+}
+
+bool Group::Has(const std::string& name) const { return H5Lexists(state_->id, name.c_str(), H5P_DEFAULT) > 0; }
+
+bool Group::HasAttribute(const std::string& name) const { return H5Aexists(state_->id, name.c_str()) > 0; }
+
+std::vector<std::string> Group::Children() const {
+  std::vector<std::string> names;
+  H5G_info_t info;
+  if (H5Gget_info(state_->id, &info) < 0) Fail("", "a group that can be listed", "a damaged one", "");
+  for (hsize_t i = 0; i < info.nlinks; ++i) {
+    const ssize_t size = H5Lget_name_by_idx(state_->id, ".", H5_INDEX_NAME, H5_ITER_INC, i, nullptr, 0, H5P_DEFAULT);
+    if (size < 0) Fail("", "a group that can be listed", "a damaged one", "");
+    std::string name(static_cast<std::size_t>(size), '\0');
+    H5Lget_name_by_idx(state_->id, ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(), name.size() + 1, H5P_DEFAULT);
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+Group Group::Open(const std::string& name) const {
+  Id id(H5Gopen2(state_->id, name.c_str(), H5P_DEFAULT), H5Gclose);
+  if (!id.valid()) Fail(name, "a group", Has(name) ? "something else" : "nothing", "");
+  Group group;
+  group.state_ = std::make_shared<State>(State{state_->file, state_->final_path, state_->file_id, std::move(id)});
+  group.path_ = (path_ == "/" ? "" : path_) + "/" + name;
+  return group;
+}
+
+std::vector<std::string> Group::GetStrings(const std::string& name) const {
+  const std::string place = "attribute " + name;
+  Id attribute(H5Aopen(state_->id, name.c_str(), H5P_DEFAULT), H5Aclose);
+  if (!attribute.valid()) Fail(place, "text", "nothing", "");
+  Id type(H5Aget_type(attribute), H5Tclose);
+  Id space(H5Aget_space(attribute), H5Sclose);
+  if (H5Tget_class(type) != H5T_STRING) Fail(place, "text", "another type", "");
+  const auto count = static_cast<std::size_t>(H5Sget_simple_extent_npoints(space));
+  std::vector<std::string> values;
+  if (H5Tis_variable_str(type) > 0) {
+    std::vector<char*> pointers(count, nullptr);
+    if (H5Aread(attribute, type, pointers.data()) < 0) Fail(place, "text", "damaged data", "");
+    for (const char* pointer : pointers) values.emplace_back(pointer == nullptr ? "" : pointer);
+    H5Dvlen_reclaim(type, space, H5P_DEFAULT, pointers.data());
+  } else {
+    const std::size_t size = H5Tget_size(type);
+    std::vector<char> text(size * count);
+    if (H5Aread(attribute, type, text.data()) < 0) Fail(place, "text", "damaged data", "");
+    for (std::size_t i = 0; i < count; ++i) values.push_back(WithoutPadding(&text[i * size], size));
+  }
+  return values;
+}
+
+std::string Group::GetString(const std::string& name) const {
+  std::vector<std::string> values = GetStrings(name);
+  if (values.size() != 1) Fail("attribute " + name, "one text", fmt::format("{}", values.size()), "");
+  return values.front();
+}
+
+namespace {
+template <typename T>
+std::vector<T> ReadNumbers(hid_t attribute, bool* ok) {
+  Id type(H5Aget_type(attribute), H5Tclose);
+  Id space(H5Aget_space(attribute), H5Sclose);
+  std::vector<T> values(static_cast<std::size_t>(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space))));
+  if (H5Tget_class(type) == H5T_ENUM) {
+    Id base(H5Tget_super(type), H5Tclose);
+    std::vector<std::int8_t> raw(values.size());
+    *ok = H5Tget_size(type) == 1 && H5Aread(attribute, type, raw.data()) >= 0;
+    std::copy(raw.begin(), raw.end(), values.begin());
+  } else {
+    *ok = IsNumber(type) && H5Aread(attribute, MemoryType<T>(), values.data()) >= 0;
+  }
+  return values;
+}
+}  // namespace
+
+std::vector<std::int64_t> Group::GetInts(const std::string& name) const {
+  Id attribute(H5Aopen(state_->id, name.c_str(), H5P_DEFAULT), H5Aclose);
+  if (!attribute.valid()) Fail("attribute " + name, "whole numbers", "nothing", "");
+  bool ok = false;
+  std::vector<std::int64_t> values = ReadNumbers<std::int64_t>(attribute, &ok);
+  if (!ok) Fail("attribute " + name, "whole numbers", "another type", "");
+  return values;
+}
+
+std::int64_t Group::GetInt(const std::string& name) const {
+  const std::vector<std::int64_t> values = GetInts(name);
+  if (values.size() != 1) Fail("attribute " + name, "one whole number", fmt::format("{}", values.size()), "");
+  return values.front();
+}
+
+double Group::GetDouble(const std::string& name) const {
+  Id attribute(H5Aopen(state_->id, name.c_str(), H5P_DEFAULT), H5Aclose);
+  if (!attribute.valid()) Fail("attribute " + name, "a number", "nothing", "");
+  bool ok = false;
+  const std::vector<double> values = ReadNumbers<double>(attribute, &ok);
+  if (!ok || values.size() != 1) Fail("attribute " + name, "one number", "something else", "");
+  return values.front();
+}
+
+std::vector<std::size_t> Group::Shape(const std::string& name) const {
+  Id dataset(H5Dopen2(state_->id, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!dataset.valid()) Fail(name, "an array", Has(name) ? "something else" : "nothing", "");
+  Id space(H5Dget_space(dataset), H5Sclose);
+  return ShapeOf(space);
+}
+
+template <typename T>
+Array<T> Group::Read(const std::string& name) const {
+  Array<T> array;
+  array.shape = Shape(name);
+  Id dataset(H5Dopen2(state_->id, name.c_str(), H5P_DEFAULT), H5Dclose);
+  Id type(H5Dget_type(dataset), H5Tclose);
+  if (!IsNumber(type)) Fail(name, "an array of numbers", "another type", "");
+  array.values.resize(CountOf(array.shape));
+  if (H5Dread(dataset, MemoryType<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) < 0) {
+    Fail(name, "readable data", "damaged data", "restore the file from a copy or make it again");
+  }
+  return array;
+}
+template Array<float> Group::Read<float>(const std::string&) const;
+template Array<double> Group::Read<double>(const std::string&) const;
+template Array<std::int64_t> Group::Read<std::int64_t>(const std::string&) const;
+
+namespace {
+/// A failed write has the system's reason in errno more often than not.
+[[noreturn]] void ThrowWriteFailed(const fs::path& path) {
+  const int reason = errno;
+  ThrowCannotWrite(path, reason == 0 ? EIO : reason);
+}
+
+void WriteAttribute(hid_t owner, const fs::path& path, const std::string& name, hid_t file_type, hid_t memory_type,
+                    hid_t space, const void* data) {
+  errno = 0;
+  Id attribute(H5Acreate2(owner, name.c_str(), file_type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  if (!attribute.valid() || H5Awrite(attribute, memory_type, data) < 0) ThrowWriteFailed(path);
+}
+
+Id SpaceFor(std::size_t count) {
+  const hsize_t size = count;
+  return {H5Screate_simple(1, &size, nullptr), H5Sclose};
+}
+}  // namespace
+
+Group Group::Create(const std::string& name) {
+  errno = 0;
+  Id id(H5Gcreate2(state_->id, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  if (!id.valid()) ThrowWriteFailed(state_->final_path);
+  id.Close();
+  return Open(name);
+}
+
+void Group::SetString(const std::string& name, const std::string& value) {
+  const Id type = VariableStringType();
+  const Id space(H5Screate(H5S_SCALAR), H5Sclose);
+  const char* pointer = value.c_str();
+  WriteAttribute(state_->id, state_->final_path, name, type, type, space, &pointer);
+}
+
+void Group::SetStrings(const std::string& name, const std::vector<std::string>& values) {
+  const Id type = VariableStringType();
+  const Id space = SpaceFor(values.size());
+  std::vector<const char*> pointers;
+  for (const std::string& value : values) pointers.push_back(value.c_str());
+  WriteAttribute(state_->id, state_->final_path, name, type, type, space, pointers.data());
+}
+
+void Group::SetInt(const std::string& name, std::int64_t value) {
+  const Id space(H5Screate(H5S_SCALAR), H5Sclose);
+  WriteAttribute(state_->id, state_->final_path, name, H5T_STD_I64LE, H5T_NATIVE_INT64, space, &value);
+}
+
+void Group::SetInts(const std::string& name, const std::vector<std::int64_t>& values) {
+  const Id space = SpaceFor(values.size());
+  WriteAttribute(state_->id, state_->final_path, name, H5T_STD_I64LE, H5T_NATIVE_INT64, space, values.data());
+}
+
+void Group::SetDouble(const std::string& name, double value) {
+  const Id space(H5Screate(H5S_SCALAR), H5Sclose);
+  WriteAttribute(state_->id, state_->final_path, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, space, &value);
+}
+
+template <typename T>
+void Group::Write(const std::string& name, std::span<const T> values, const std::vector<std::size_t>& shape) {
+  CANONPOSE_CHECK(values.size() == CountOf(shape), "{} values for shape {}", values.size(), FormatShape(shape));
+  constexpr std::size_t kChunkBytes = 1 << 20;
+  errno = 0;
+  const std::vector<hsize_t> dimensions(shape.begin(), shape.end());
+  const Id space(H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr), H5Sclose);
+  const Id properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  // Without this the file holds the time it was written, and the same result has other bits every time.
+  H5Pset_obj_track_times(properties, 0);
+  if (!values.empty()) {
+    std::vector<hsize_t> chunk = dimensions;
+    const std::size_t row_bytes = values.size_bytes() / shape.front();
+    chunk.front() = std::clamp<hsize_t>(kChunkBytes / std::max<std::size_t>(1, row_bytes), 1, dimensions.front());
+    H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
+    H5Pset_fletcher32(properties);
+  }
+  const Id dataset(
+      H5Dcreate2(state_->id, name.c_str(), MemoryType<T>(), space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
+  if (!dataset.valid() ||
+      H5Dwrite(dataset, MemoryType<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
+    ThrowWriteFailed(state_->final_path);
+  }
+}
+template void Group::Write<float>(const std::string&, std::span<const float>, const std::vector<std::size_t>&);
+template void Group::Write<double>(const std::string&, std::span<const double>, const std::vector<std::size_t>&);
+template void Group::Write<std::int64_t>(const std::string&, std::span<const std::int64_t>,
+                                         const std::vector<std::size_t>&);
+
+// ------------------------------------------------------------------------------------------------------------- File
+
+struct File::Pending {
+  explicit Pending(const fs::path& path) : file(path) {}
+  AtomicFile file;
+};
+
+File::File() = default;
+File::File(File&&) noexcept = default;
+File::~File() = default;
+
+bool File::IsHdf5(const fs::path& path) {
+  SilenceLibrary();
+  return fs::is_regular_file(path) && H5Fis_hdf5(path.c_str()) > 0;
+}
+
+File File::OpenForReading(const fs::path& path) {
+  SilenceLibrary();
+  if (!fs::exists(path)) ThrowBadInput({path.string(), "", "a file", "nothing", "check the path"});
+  Id id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (!id.valid()) {
+    std::string found = "another format";
+    if (fs::is_directory(path)) found = "a folder";
+    if (IsHdf5(path)) found = "one that is cut short or damaged";
+    ThrowBadInput({path.string(), "", "a readable HDF5 file", found, "copy it again or make it again"});
+  }
+  File file;
+  auto shared = std::make_shared<Id>(std::move(id));
+  Id root(H5Gopen2(*shared, "/", H5P_DEFAULT), H5Gclose);
+  file.root_.state_ =
+      std::make_shared<Group::State>(Group::State{path.string(), path, std::move(shared), std::move(root)});
+  file.root_.path_ = "/";
+  return file;
+}
+
+File File::CreateAt(const fs::path& path) {
+  SilenceLibrary();
+  File file;
+  file.pending_ = std::make_unique<Pending>(path);
+  errno = 0;
+  Id id(H5Fcreate(file.pending_->file.temporary_path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+  if (!id.valid()) ThrowWriteFailed(path);
+  auto shared = std::make_shared<Id>(std::move(id));
+  Id root(H5Gopen2(*shared, "/", H5P_DEFAULT), H5Gclose);
+  file.root_.state_ =
+      std::make_shared<Group::State>(Group::State{path.string(), path, std::move(shared), std::move(root)});
+  file.root_.path_ = "/";
+  return file;
+}
+
+void File::Commit() {
+  CANONPOSE_CHECK(pending_ != nullptr, "only a file made by CreateAt() can be committed, once");
+  errno = 0;
+  const fs::path path = pending_->file.path();
+  const bool flushed = H5Fflush(*root_.state_->file_id, H5F_SCOPE_GLOBAL) >= 0;
+  if (!flushed) ThrowWriteFailed(path);
+  root_.state_->id.Close();
+  if (root_.state_->file_id->Close() < 0) ThrowWriteFailed(path);
+  pending_->file.Commit();
+  pending_.reset();
+}
+
+}  // namespace canonpose::h5

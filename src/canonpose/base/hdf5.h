@@ -1,0 +1,96 @@
+// A small, safe face on the HDF5 C library: groups, attributes, arrays, and files that appear whole or not at all.
+//
+// Every function throws Error(kBadInput) that names the file and the place in it when something is missing, has another type or
+// shape than asked for, or cannot be read or written.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace canonpose::h5 {
+
+/// An array as stored: row-major values, and the size of each dimension.
+template <typename T>
+struct Array {
+  std::vector<T> values;
+  std::vector<std::size_t> shape;
+};
+
+/// "(100, 17, 2)"
+std::string FormatShape(const std::vector<std::size_t>& shape);
+
+class File;
+
+/// A group of an open file; the root is File::root(). Keeps the file open.
+class Group {
+ public:
+  [[nodiscard]] bool Has(const std::string& name) const;
+  [[nodiscard]] bool HasAttribute(const std::string& name) const;
+  /// Names of the groups and arrays inside, in alphabetical order.
+  [[nodiscard]] std::vector<std::string> Children() const;
+  [[nodiscard]] Group Open(const std::string& name) const;
+  /// "/sequences/S1"
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] const std::string& file() const;
+
+  /// Attributes. Integers and reals of any width convert; strings may be of fixed or variable length.
+  [[nodiscard]] std::string GetString(const std::string& name) const;
+  [[nodiscard]] std::vector<std::string> GetStrings(const std::string& name) const;
+  [[nodiscard]] std::int64_t GetInt(const std::string& name) const;
+  [[nodiscard]] std::vector<std::int64_t> GetInts(const std::string& name) const;
+  [[nodiscard]] double GetDouble(const std::string& name) const;
+
+  /// Arrays; T is float, double or std::int64_t, converted from what is stored.
+  template <typename T>
+  [[nodiscard]] Array<T> Read(const std::string& name) const;
+  /// The shape alone, without reading.
+  [[nodiscard]] std::vector<std::size_t> Shape(const std::string& name) const;
+
+  [[nodiscard]] Group Create(const std::string& name);
+  void SetString(const std::string& name, const std::string& value);
+  void SetStrings(const std::string& name, const std::vector<std::string>& values);
+  void SetInt(const std::string& name, std::int64_t value);
+  void SetInts(const std::string& name, const std::vector<std::int64_t>& values);
+  void SetDouble(const std::string& name, double value);
+  /// Writes a new array with a checksum, so that a damaged file is noticed when it is read.
+  template <typename T>
+  void Write(const std::string& name, std::span<const T> values, const std::vector<std::size_t>& shape);
+
+  /// Throws the Error for something wrong at `name` in this group.
+  [[noreturn]] void Fail(const std::string& name, const std::string& expected, const std::string& found,
+                         const std::string& advice) const;
+
+ private:
+  friend class File;
+  struct State;
+  std::shared_ptr<State> state_;
+  std::string path_;
+};
+
+class File {
+ public:
+  /// Whether `path` begins as an HDF5 file does.
+  static bool IsHdf5(const std::filesystem::path& path);
+  static File OpenForReading(const std::filesystem::path& path);
+  /// A new file that Commit() moves to `path`.
+  static File CreateAt(const std::filesystem::path& path);
+  ~File();
+  File(File&&) noexcept;
+  File& operator=(File&&) = delete;
+
+  [[nodiscard]] Group& root() { return root_; }
+  /// Finishes a file made by CreateAt(). No Group of it may be used afterwards.
+  void Commit();
+
+ private:
+  File();
+  Group root_;
+  struct Pending;
+  std::unique_ptr<Pending> pending_;
+};
+
+}  // namespace canonpose::h5

@@ -1,0 +1,114 @@
+#include "canonpose/base/hdf5.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <filesystem>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/testing.h"
+
+namespace canonpose::h5 {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using canonpose::testing::ErrorOf;
+using canonpose::testing::TemporaryFolder;
+
+void WriteExample(const std::filesystem::path& path, std::size_t rows = 3) {
+  File file = File::CreateAt(path);
+  file.root().SetString("format", "example");
+  file.root().SetInt("version", 1);
+  Group group = file.root().Create("group");
+  group.SetStrings("names", {"a", "bé", ""});
+  group.SetInts("numbers", {1, -2});
+  group.SetDouble("ratio", 0.5);
+  std::vector<float> values(rows * 2, 1.5F);
+  group.Write<float>("values", values, {rows, 2});
+  group.Write<float>("nothing", {}, {0, 2});
+  file.Commit();
+}
+
+TEST(Hdf5, RoundTrip) {
+  const TemporaryFolder folder;
+  WriteExample(folder / "a.h5");
+  File file = File::OpenForReading(folder / "a.h5");
+  EXPECT_EQ(file.root().GetString("format"), "example");
+  EXPECT_EQ(file.root().GetInt("version"), 1);
+  EXPECT_THAT(file.root().Children(), ElementsAre("group"));
+  const Group group = file.root().Open("group");
+  EXPECT_THAT(group.GetStrings("names"), ElementsAre("a", "bé", ""));
+  EXPECT_THAT(group.GetInts("numbers"), ElementsAre(1, -2));
+  EXPECT_EQ(group.GetDouble("ratio"), 0.5);
+  const Array<double> values = group.Read<double>("values");
+  EXPECT_THAT(values.shape, ElementsAre(3U, 2U));
+  EXPECT_THAT(values.values, ElementsAre(1.5, 1.5, 1.5, 1.5, 1.5, 1.5));
+  EXPECT_THAT(group.Shape("nothing"), ElementsAre(0U, 2U));
+}
+
+TEST(Hdf5, SameContentsSameBits) {
+  const TemporaryFolder folder;
+  WriteExample(folder / "a.h5");
+  WriteExample(folder / "b.h5");
+  EXPECT_EQ(ReadFile(folder / "a.h5"), ReadFile(folder / "b.h5"));
+}
+
+TEST(Hdf5, MissingThingsNameFileAndPlace) {
+  const TemporaryFolder folder;
+  WriteExample(folder / "a.h5");
+  File file = File::OpenForReading(folder / "a.h5");
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)file.root().Open("other"); }), HasSubstr("a.h5: /other"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)file.root().Open("group").Read<float>("x"); }),
+              HasSubstr("/group/x: expected an array, found nothing"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)file.root().GetInt("format"); }), HasSubstr("attribute format"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)file.root().GetString("version"); }), HasSubstr("another type"));
+}
+
+TEST(Hdf5, EveryTruncationIsNoticed) {
+  const TemporaryFolder folder;
+  WriteExample(folder / "a.h5", 1000);
+  const std::string whole = ReadFile(folder / "a.h5");
+  for (std::size_t size = 0; size < whole.size(); size += whole.size() / 23) {
+    WriteFileAtomically(folder / "cut.h5", whole.substr(0, size));
+    ErrorOf(ExitCode::kBadInput, [&] { (void)File::OpenForReading(folder / "cut.h5"); });
+  }
+}
+
+TEST(Hdf5, DamagedArrayIsNoticed) {
+  const TemporaryFolder folder;
+  WriteExample(folder / "a.h5", 1000);
+  std::string bytes = ReadFile(folder / "a.h5");
+  const std::size_t place = bytes.find(std::string("\0\0\xC0\x3F\0\0\xC0\x3F", 8));  // 1.5F, 1.5F
+  ASSERT_NE(place, std::string::npos);
+  bytes[place + 2] ^= 1;
+  WriteFileAtomically(folder / "a.h5", bytes);
+  File file = File::OpenForReading(folder / "a.h5");
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)file.root().Open("group").Read<float>("values"); }),
+              HasSubstr("damaged"));
+}
+
+TEST(Hdf5, FullDiskKeepsTheOldFileAtEveryMoment) {
+  const TemporaryFolder folder;
+  WriteExample(folder / "a.h5", 2000);
+  const std::string old = ReadFile(folder / "a.h5");
+  ASSERT_NE(std::signal(SIGXFSZ, SIG_IGN), SIG_ERR);
+  rlimit unlimited{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &unlimited), 0);
+  for (rlim_t size = 0; size < old.size(); size += 1024) {
+    const rlimit limit{size, unlimited.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    const std::string message = ErrorOf(ExitCode::kBadInput, [&] { WriteExample(folder / "a.h5", 2000); });
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &unlimited), 0);
+    EXPECT_THAT(message, HasSubstr("a.h5")) << size;
+    ASSERT_EQ(ReadFile(folder / "a.h5"), old) << size;
+    ASSERT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << size;
+  }
+  WriteExample(folder / "a.h5", 2000);
+  EXPECT_EQ(ReadFile(folder / "a.h5"), old);
+}
+
+}  // namespace
+}  // namespace canonpose::h5

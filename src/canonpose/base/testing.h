@@ -1,0 +1,61 @@
+// Shared by tests only: temporary folders, the data beside the checkout, and a matcher for one-line errors.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "canonpose/base/error.h"
+
+namespace canonpose::testing {
+
+/// An empty folder that is removed with all it holds.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "canonpose-test-XXXXXX").string();
+    CANONPOSE_CHECK(::mkdtemp(pattern.data()) != nullptr, "cannot make {}", pattern);
+    path_ = pattern;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The project's own small inputs.
+inline std::filesystem::path TestData(const std::string& name) { return std::filesystem::path(CANONPOSE_TESTDATA) / name; }
+
+/// The data beside the checkout; see CANONPOSE_SKIP_WITHOUT_SHARED.
+inline std::filesystem::path Shared(const std::string& name) { return std::filesystem::path(CANONPOSE_SHARED) / name; }
+
+/// Runs `action` and returns the message of the Error it throws, after checking its exit code and that it is one line.
+template <typename Action>
+std::string ErrorOf(ExitCode code, Action&& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    EXPECT_EQ(static_cast<int>(error.code()), static_cast<int>(code)) << error.what();
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    return error.what();
+  }
+  ADD_FAILURE() << "no Error was thrown";
+  return "";
+}
+
+}  // namespace canonpose::testing
+
+/// Skips the test, and says so, where the file beside the checkout is absent.
+#define CANONPOSE_SKIP_WITHOUT_SHARED(name)                                                              \
+  if (!std::filesystem::exists(::canonpose::testing::Shared(name))) {                                    \
+    GTEST_SKIP() << ::canonpose::testing::Shared(name) << " is not here";                                \
+  }

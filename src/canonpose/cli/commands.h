@@ -1,0 +1,17 @@
+// One function a command: it adds its subcommand with options to the app; the subcommand's callback does the work.
+//
+// Callbacks throw canonpose::Error; main() turns that into one line and an exit code. Results go to stdout, everything else
+// through base/log.h to stderr.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace canonpose {
+
+void AddImportCommand(CLI::App& app);
+void AddTrainCommand(CLI::App& app);
+void AddEvaluateCommand(CLI::App& app);
+void AddLiftCommand(CLI::App& app);
+void AddInfoCommand(CLI::App& app);
+
+}  // namespace canonpose

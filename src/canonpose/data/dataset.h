@@ -1,0 +1,97 @@
+// The dataset in memory: synchronised 2D keypoints of one person from several cameras, and what is known beside them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "canonpose/geometry/camera.h"
+#include "canonpose/skeleton/skeleton.h"
+
+namespace canonpose {
+
+/// What one camera of a sequence saw. T frames, J joints; all arrays row-major.
+struct CameraView {
+  std::string name;
+  std::array<int, 2> image_size{0, 0};  ///< width, height in pixels
+  std::vector<float> keypoints;         ///< (T, J, 2) pixels, origin top left; NaN where not detected
+  std::vector<float> confidence;        ///< (T, J) 0..1; 0 where not detected
+  std::vector<float> truth;             ///< (T, J, 3) mm, camera frame; empty where the file has none, NaN where unknown
+  std::vector<float> solved;            ///< (T, J, 3) camera frame, any one scale; empty or NaN likewise
+  /// Calibration, for evaluation only: one camera, or T of them where it moves; empty where there is none.
+  std::vector<Camera> calibration;
+
+  [[nodiscard]] const Camera& CalibrationAt(int frame) const {
+    return calibration.size() == 1 ? calibration.front() : calibration[static_cast<std::size_t>(frame)];
+  }
+};
+
+/// T synchronised frames of one person from the same cameras.
+struct Sequence {
+  std::string name;
+  std::string subject;
+  double fps = 0.0;  ///< 0 where unknown
+  bool static_cameras = true;
+  std::string capture;  ///< sequences with the same capture share their cameras; never empty
+  int frame_count = 0;
+  std::vector<CameraView> cameras;
+};
+
+/// Where the keypoints came from, so that a model can read the same kind of file later. Empty for files of other makers.
+struct DatasetSource {
+  std::string format;                ///< "openpose", ...
+  std::string layout;                ///< the detector's layout, "body_25b"
+  double confidence_scale = 1.0;     ///< what confidences were divided by
+  std::vector<std::string> mapping;  ///< (J) LayoutMapping::DescribeAll()
+};
+
+struct Dataset {
+  Skeleton skeleton;
+  DatasetSource source;
+  std::vector<Sequence> sequences;
+
+  [[nodiscard]] bool HasTruth() const;
+  [[nodiscard]] bool HasSolved() const;
+  [[nodiscard]] bool HasCalibration() const;
+  /// A hash of skeleton, keypoints and confidences: what training sees.
+  [[nodiscard]] std::uint64_t Fingerprint() const;
+};
+
+/// First and last frame, both included, counted from 0.
+struct FrameRange {
+  int first = 0;
+  int last = INT32_MAX;
+  /// Parses "A-B", "A-" or "A". Throws Error(kUsage).
+  static FrameRange Parse(const std::string& text);
+};
+
+/// Cuts every sequence down to the frames of `range`; sequences without any disappear. Throws Error(kBadInput) where nothing is left.
+void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& file);
+
+/// Reads a dataset file of version 1 (layout in README.md), written by us or by anyone with h5py. Throws Error(kBadInput).
+Dataset ReadDataset(const std::filesystem::path& path);
+
+/// Whether `path` is an HDF5 file that says it is a dataset.
+bool IsDatasetFile(const std::filesystem::path& path);
+
+/// Writes a dataset file sequence by sequence, so that a long one need not be in memory at once.
+class DatasetWriter {
+ public:
+  /// Throws Error(kBadInput) where `path` cannot be written.
+  DatasetWriter(const std::filesystem::path& path, const Skeleton& skeleton, const DatasetSource& source = {});
+  ~DatasetWriter();
+  void Add(const Sequence& sequence);
+  /// Moves the finished file into place.
+  void Commit();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+void WriteDataset(const std::filesystem::path& path, const Dataset& dataset);
+
+}  // namespace canonpose

@@ -1,0 +1,28 @@
+// Pinhole cameras with Brown-Conrady distortion.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+namespace canonpose {
+
+/// x_in_camera = rotation * x_in_world + translation; pixel = K * Distort(x_in_camera / z). x right, y down, z forward.
+struct Camera {
+  Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d camera_from_world_rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d camera_from_world_translation_mm = Eigen::Vector3d::Zero();
+  std::array<double, 4> distortion{0.0, 0.0, 0.0, 0.0};  ///< k1, k2, p1, p2
+
+  [[nodiscard]] Eigen::Vector3d InCamera(const Eigen::Vector3d& point_in_world_mm) const {
+    return camera_from_world_rotation * point_in_world_mm + camera_from_world_translation_mm;
+  }
+  /// The pixel of a point; NaN where it lies behind the camera.
+  [[nodiscard]] Eigen::Vector2d Project(const Eigen::Vector3d& point_in_world_mm) const;
+  /// Normalised image coordinates (x/z, y/z) of a pixel, the distortion undone by fixed-point iteration to 1e-12; NaN stays NaN.
+  [[nodiscard]] Eigen::Vector2d Undistort(const Eigen::Vector2d& pixel) const;
+};
+
+/// x, y after distortion of normalised image coordinates, by OpenCV's formula with k1, k2, p1, p2.
+Eigen::Vector2d Distort(const Eigen::Vector2d& normalised, const std::array<double, 4>& distortion);
+
+}  // namespace canonpose

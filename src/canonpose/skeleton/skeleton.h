@@ -19,15 +19,15 @@ struct Skeleton {
   [[nodiscard]] int joint_count() const { return static_cast<int>(joints.size()); }
   /// Index of a joint by name, ignoring case.
   [[nodiscard]] std::optional<int> Find(std::string_view joint) const;
-  /// Empty where the invariants hold, otherwise the first that does not: sizes agree, names are unique, exactly the root has no
-  /// parent, every joint leads to the root, mirror is its own inverse.
+  /// Empty where the invariants hold, otherwise the first that does not: sizes agree, names are unique, exactly the
+  /// root has no parent, every joint leads to the root, mirror is its own inverse.
   [[nodiscard]] std::string Problem() const;
   /// Same joints in the same order and the same root; what a model needs of the data it is given.
   [[nodiscard]] bool SameJoints(const Skeleton& other) const;
 };
 
-/// The built-in skeletons and detector layouts, in the order shown to users: h36m-17, canonpose-16, body_25, body_25b, coco-18,
-/// coco-17, halpe-26.
+/// The built-in skeletons and detector layouts, in the order shown to users: h36m-17, canonpose-16, body_25, body_25b,
+/// coco-18, coco-17, halpe-26.
 const std::vector<Skeleton>& BuiltinSkeletons();
 
 /// A built-in one by name, ignoring case and the difference between '-' and '_'; null where there is none.

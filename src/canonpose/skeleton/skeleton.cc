@@ -1,0 +1,235 @@
+#include "canonpose/skeleton/skeleton.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include "canonpose/base/error.h"
+
+namespace canonpose {
+namespace {
+
+char Lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
+
+bool SameText(std::string_view a, std::string_view b, bool dash_is_underscore) {
+  const auto fold = [&](char c) { return dash_is_underscore && c == '_' ? '-' : Lower(c); };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return fold(x) == fold(y); });
+}
+
+/// A joint and the name of its parent; the root has none.
+struct NamedJoint {
+  const char* name;
+  const char* parent;
+};
+
+/// The left-right partner of a built-in joint is the one whose name differs in the leading letter alone.
+int MirrorOf(const Skeleton& skeleton, int joint) {
+  std::string partner = skeleton.joints[static_cast<std::size_t>(joint)];
+  static constexpr std::string_view kSides = "LRlr";
+  static constexpr std::string_view kPartners = "RLrl";
+  const std::size_t side = kSides.find(partner.front());
+  if (side == std::string_view::npos) return joint;
+  partner.front() = kPartners[side];
+  return skeleton.Find(partner).value_or(joint);
+}
+
+Skeleton MakeSkeleton(const char* name, const std::vector<NamedJoint>& joints) {
+  Skeleton skeleton;
+  skeleton.name = name;
+  for (const NamedJoint& joint : joints) skeleton.joints.emplace_back(joint.name);
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    const std::string_view parent = joints[static_cast<std::size_t>(j)].parent;
+    skeleton.parents.push_back(parent.empty() ? -1 : skeleton.Find(parent).value());
+    if (parent.empty()) skeleton.root = j;
+    skeleton.mirror.push_back(MirrorOf(skeleton, j));
+  }
+  CANONPOSE_CHECK(skeleton.Problem().empty(), "{}: {}", name, skeleton.Problem());
+  return skeleton;
+}
+
+Skeleton MakeHuman36m() {
+  return MakeSkeleton("h36m-17", {{"Hip", ""},
+                                  {"RHip", "Hip"},
+                                  {"RKnee", "RHip"},
+                                  {"RFoot", "RKnee"},
+                                  {"LHip", "Hip"},
+                                  {"LKnee", "LHip"},
+                                  {"LFoot", "LKnee"},
+                                  {"Spine", "Hip"},
+                                  {"Thorax", "Spine"},
+                                  {"Nose", "Thorax"},
+                                  {"Head", "Nose"},
+                                  {"LShoulder", "Thorax"},
+                                  {"LElbow", "LShoulder"},
+                                  {"LWrist", "LElbow"},
+                                  {"RShoulder", "Thorax"},
+                                  {"RElbow", "RShoulder"},
+                                  {"RWrist", "RElbow"}});
+}
+
+Skeleton MakeCanonPose16() {
+  return MakeSkeleton("canonpose-16", {{"rhip", "root"},
+                                       {"rknee", "rhip"},
+                                       {"rfoot", "rknee"},
+                                       {"lhip", "root"},
+                                       {"lknee", "lhip"},
+                                       {"lfoot", "lknee"},
+                                       {"root", ""},
+                                       {"neck", "root"},
+                                       {"nose", "neck"},
+                                       {"top_head", "nose"},
+                                       {"rsho", "neck"},
+                                       {"relb", "rsho"},
+                                       {"rhand", "relb"},
+                                       {"lsho", "neck"},
+                                       {"lelb", "lsho"},
+                                       {"lhand", "lelb"}});
+}
+
+Skeleton MakeBody25() {
+  return MakeSkeleton(
+      "body_25", {{"Nose", "Neck"},         {"Neck", "MidHip"},    {"RShoulder", "Neck"},   {"RElbow", "RShoulder"},
+                  {"RWrist", "RElbow"},     {"LShoulder", "Neck"}, {"LElbow", "LShoulder"}, {"LWrist", "LElbow"},
+                  {"MidHip", ""},           {"RHip", "MidHip"},    {"RKnee", "RHip"},       {"RAnkle", "RKnee"},
+                  {"LHip", "MidHip"},       {"LKnee", "LHip"},     {"LAnkle", "LKnee"},     {"REye", "Nose"},
+                  {"LEye", "Nose"},         {"REar", "REye"},      {"LEar", "LEye"},        {"LBigToe", "LAnkle"},
+                  {"LSmallToe", "LBigToe"}, {"LHeel", "LAnkle"},   {"RBigToe", "RAnkle"},   {"RSmallToe", "RBigToe"},
+                  {"RHeel", "RAnkle"}});
+}
+
+// No pelvis in this one: the upper neck holds the tree together.
+Skeleton MakeBody25b() {
+  return MakeSkeleton(
+      "body_25b",
+      {{"Nose", "UpperNeck"},    {"LEye", "Nose"},           {"REye", "Nose"},           {"LEar", "LEye"},
+       {"REar", "REye"},         {"LShoulder", "UpperNeck"}, {"RShoulder", "UpperNeck"}, {"LElbow", "LShoulder"},
+       {"RElbow", "RShoulder"},  {"LWrist", "LElbow"},       {"RWrist", "RElbow"},       {"LHip", "UpperNeck"},
+       {"RHip", "UpperNeck"},    {"LKnee", "LHip"},          {"RKnee", "RHip"},          {"LAnkle", "LKnee"},
+       {"RAnkle", "RKnee"},      {"UpperNeck", ""},          {"HeadTop", "UpperNeck"},   {"LBigToe", "LAnkle"},
+       {"LSmallToe", "LBigToe"}, {"LHeel", "LAnkle"},        {"RBigToe", "RAnkle"},      {"RSmallToe", "RBigToe"},
+       {"RHeel", "RAnkle"}});
+}
+
+Skeleton MakeCoco18() {
+  return MakeSkeleton("coco-18", {{"Nose", "Neck"},
+                                  {"Neck", ""},
+                                  {"RShoulder", "Neck"},
+                                  {"RElbow", "RShoulder"},
+                                  {"RWrist", "RElbow"},
+                                  {"LShoulder", "Neck"},
+                                  {"LElbow", "LShoulder"},
+                                  {"LWrist", "LElbow"},
+                                  {"RHip", "Neck"},
+                                  {"RKnee", "RHip"},
+                                  {"RAnkle", "RKnee"},
+                                  {"LHip", "Neck"},
+                                  {"LKnee", "LHip"},
+                                  {"LAnkle", "LKnee"},
+                                  {"REye", "Nose"},
+                                  {"LEye", "Nose"},
+                                  {"REar", "REye"},
+                                  {"LEar", "LEye"}});
+}
+
+/// COCO's 17 with the trunk held together by `pelvis` and `neck`; without them by the nose and the shoulders.
+std::vector<NamedJoint> Coco17Joints(bool has_trunk) {
+  return {{"Nose", has_trunk ? "Neck" : ""},
+          {"LEye", "Nose"},
+          {"REye", "Nose"},
+          {"LEar", "LEye"},
+          {"REar", "REye"},
+          {"LShoulder", has_trunk ? "Neck" : "Nose"},
+          {"RShoulder", has_trunk ? "Neck" : "Nose"},
+          {"LElbow", "LShoulder"},
+          {"RElbow", "RShoulder"},
+          {"LWrist", "LElbow"},
+          {"RWrist", "RElbow"},
+          {"LHip", has_trunk ? "Hip" : "LShoulder"},
+          {"RHip", has_trunk ? "Hip" : "RShoulder"},
+          {"LKnee", "LHip"},
+          {"RKnee", "RHip"},
+          {"LAnkle", "LKnee"},
+          {"RAnkle", "RKnee"}};
+}
+
+Skeleton MakeHalpe26() {
+  std::vector<NamedJoint> joints = Coco17Joints(true);
+  joints.insert(joints.end(), {{"Head", "Neck"},
+                               {"Neck", "Hip"},
+                               {"Hip", ""},
+                               {"LBigToe", "LAnkle"},
+                               {"RBigToe", "RAnkle"},
+                               {"LSmallToe", "LBigToe"},
+                               {"RSmallToe", "RBigToe"},
+                               {"LHeel", "LAnkle"},
+                               {"RHeel", "RAnkle"}});
+  return MakeSkeleton("halpe-26", joints);
+}
+
+}  // namespace
+
+std::optional<int> Skeleton::Find(std::string_view joint) const {
+  for (int j = 0; j < joint_count(); ++j) {
+    if (SameText(joints[static_cast<std::size_t>(j)], joint, false)) return j;
+  }
+  return std::nullopt;
+}
+
+std::string Skeleton::Problem() const {
+  const int count = joint_count();
+  if (count == 0) return "there are no joints";
+  if (static_cast<int>(parents.size()) != count) return fmt::format("{} parents for {} joints", parents.size(), count);
+  if (static_cast<int>(mirror.size()) != count)
+    return fmt::format("{} mirror entries for {} joints", mirror.size(), count);
+  if (root < 0 || root >= count) return fmt::format("root {} is not one of {} joints", root, count);
+  for (int j = 0; j < count; ++j) {
+    const auto i = static_cast<std::size_t>(j);
+    if (joints[i].empty()) return fmt::format("joint {} has no name", j);
+    if (Find(joints[i]) != j) return fmt::format("the name {} stands twice", joints[i]);
+    if (parents[i] < -1 || parents[i] >= count)
+      return fmt::format("parent {} of {} is no joint", parents[i], joints[i]);
+    if (j == root && parents[i] != -1) return fmt::format("the root {} has a parent", joints[i]);
+    if (j != root && parents[i] == -1) return fmt::format("{} has no parent but is not the root", joints[i]);
+    if (mirror[i] < 0 || mirror[i] >= count || mirror[static_cast<std::size_t>(mirror[i])] != j) {
+      return fmt::format("mirror entry {} of {} does not lead back", mirror[i], joints[i]);
+    }
+  }
+  for (int j = 0; j < count; ++j) {
+    int ancestor = j;
+    for (int steps = 0; ancestor != root && steps < count; ++steps)
+      ancestor = parents[static_cast<std::size_t>(ancestor)];
+    if (ancestor != root)
+      return fmt::format("the parents of {} do not lead to the root", joints[static_cast<std::size_t>(j)]);
+  }
+  return "";
+}
+
+bool Skeleton::SameJoints(const Skeleton& other) const {
+  return root == other.root &&
+         std::equal(joints.begin(), joints.end(), other.joints.begin(), other.joints.end(),
+                    [](const std::string& a, const std::string& b) { return SameText(a, b, false); });
+}
+
+const std::vector<Skeleton>& BuiltinSkeletons() {
+  static const std::vector<Skeleton> skeletons = {MakeHuman36m(), MakeCanonPose16(),
+                                                  MakeBody25(),   MakeBody25b(),
+                                                  MakeCoco18(),   MakeSkeleton("coco-17", Coco17Joints(false)),
+                                                  MakeHalpe26()};
+  return skeletons;
+}
+
+const Skeleton* FindSkeleton(std::string_view name) {
+  for (const Skeleton& skeleton : BuiltinSkeletons()) {
+    if (SameText(skeleton.name, name, true)) return &skeleton;
+  }
+  return nullptr;
+}
+
+std::string BuiltinSkeletonNames() {
+  std::string names;
+  for (const Skeleton& skeleton : BuiltinSkeletons()) names += (names.empty() ? "" : ", ") + skeleton.name;
+  return names;
+}
+
+}  // namespace canonpose

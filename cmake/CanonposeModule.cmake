@@ -7,6 +7,10 @@ add_library(canonpose_options INTERFACE)
 target_include_directories(canonpose_options INTERFACE ${PROJECT_SOURCE_DIR}/src)
 target_compile_options(canonpose_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
                                                    $<$<BOOL:${CANONPOSE_WERROR}>:-Werror>)
+# GCC 12 sees overlapping copies in std::string's own code (its bug 105651).
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  target_compile_options(canonpose_options INTERFACE -Wno-restrict)
+endif()
 if(CANONPOSE_SANITIZE)
   target_compile_options(canonpose_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
                                                      -fno-omit-frame-pointer)

@@ -1,0 +1,89 @@
+#include "canonpose/model/lifter.h"
+
+#include <cmath>
+
+#include "canonpose/base/random.h"
+
+namespace canonpose {
+namespace {
+
+constexpr double kLeakySlope = 0.01;
+constexpr double kSmallestSquaredAngle = 1e-4;
+
+torch::Tensor LeakyRelu(const torch::Tensor& x) { return torch::leaky_relu(x, kLeakySlope); }
+
+}  // namespace
+
+torch::Tensor Rodrigues(const torch::Tensor& axis_angle) {
+  const torch::Tensor angle =
+      torch::sqrt(torch::clamp_min((axis_angle * axis_angle).sum(1, /*keepdim=*/true), kSmallestSquaredAngle));  // (B, 1)
+  const torch::Tensor axis = axis_angle / angle;                                                                 // (B, 3)
+  const std::vector<torch::Tensor> xyz = axis.unbind(1);
+  const torch::Tensor zero = torch::zeros_like(xyz[0]);
+  const torch::Tensor cross =
+      torch::stack({zero, -xyz[2], xyz[1], xyz[2], zero, -xyz[0], -xyz[1], xyz[0], zero}, 1).view({-1, 3, 3});
+  const torch::Tensor sine = torch::sin(angle).unsqueeze(2);
+  const torch::Tensor versine = (1 - torch::cos(angle)).unsqueeze(2);
+  return torch::eye(3, axis_angle.options()) + sine * cross + versine * torch::bmm(cross, cross);
+}
+
+ResidualBlockImpl::ResidualBlockImpl(int width)
+    : l1_(register_module("l1", torch::nn::Linear(width, width))),
+      l2_(register_module("l2", torch::nn::Linear(width, width))) {}
+
+torch::Tensor ResidualBlockImpl::forward(const torch::Tensor& x) {
+  return LeakyRelu(x + LeakyRelu(l2_(LeakyRelu(l1_(x)))));
+}
+
+LifterImpl::LifterImpl(int joint_count, int width)
+    : joint_count_(joint_count),
+      width_(width),
+      upscale_(register_module("upscale", torch::nn::Linear(3 * joint_count, width))),
+      res_common_(register_module("res_common", ResidualBlock(width))),
+      res_pose1_(register_module("res_pose1", ResidualBlock(width))),
+      res_pose2_(register_module("res_pose2", ResidualBlock(width))),
+      res_cam1_(register_module("res_cam1", ResidualBlock(width))),
+      res_cam2_(register_module("res_cam2", ResidualBlock(width))),
+      pose3d_(register_module("pose3d", torch::nn::Linear(width, 3 * joint_count))),
+      enc_rot_(register_module("enc_rot", torch::nn::Linear(width, 3))) {}
+
+LifterOutput LifterImpl::forward(const torch::Tensor& input) {
+  const torch::Tensor common = res_common_(upscale_(input));
+  LifterOutput output;
+  output.pose = pose3d_(res_pose2_(res_pose1_(common))).view({-1, 3, joint_count_});
+  output.axis_angle = enc_rot_(res_cam2_(res_cam1_(common)));
+  output.rotation = Rodrigues(output.axis_angle);
+  return output;
+}
+
+void LifterImpl::Initialise(std::uint64_t seed) {
+  const torch::NoGradGuard no_grad;
+  Rng rng(seed);
+  double bound = 0.0;
+  for (const auto& item : named_parameters()) {
+    torch::Tensor parameter = item.value();
+    // A bias follows its weight and has the same fan in.
+    if (parameter.dim() == 2) bound = 1.0 / std::sqrt(static_cast<double>(parameter.size(1)));
+    torch::Tensor values = torch::empty(parameter.sizes(), torch::kFloat32);
+    float* data = values.data_ptr<float>();
+    for (std::int64_t i = 0; i < values.numel(); ++i) data[i] = static_cast<float>(rng.Uniform(-bound, bound));
+    parameter.copy_(values);
+  }
+}
+
+void LifterImpl::MirrorRows(const std::string& name, torch::Tensor& tensor) const {
+  const torch::NoGradGuard no_grad;
+  const int joints = joint_count_;
+  if (name == "pose3d.weight" || name == "pose3d.bias") tensor.narrow(0, 2 * joints, joints).neg_();
+  // F R(w) F = R(-w_x, -w_y, w_z): a rotation vector is axial.
+  if (name == "enc_rot.weight" || name == "enc_rot.bias") tensor.narrow(0, 0, 2).neg_();
+}
+
+void LifterImpl::Mirror() {
+  for (const auto& item : named_parameters()) {
+    torch::Tensor parameter = item.value();
+    MirrorRows(item.key(), parameter);
+  }
+}
+
+}  // namespace canonpose

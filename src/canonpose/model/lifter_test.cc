@@ -1,0 +1,104 @@
+#include "canonpose/model/lifter.h"
+
+#include <gtest/gtest.h>
+
+#include "canonpose/model/runtime.h"
+#include "canonpose/model/tensors.h"
+
+namespace canonpose {
+namespace {
+
+const torch::TensorOptions kDouble(torch::kFloat64);
+
+torch::Tensor Depths(const torch::Tensor& rotation, const torch::Tensor& pose) { return torch::bmm(rotation, pose).select(1, 2); }
+
+TEST(Rodrigues, GivesRotations) {
+  torch::manual_seed(1);
+  const torch::Tensor rotation = Rodrigues(3.0 * torch::randn({50, 3}, kDouble));
+  const torch::Tensor identity = torch::eye(3, kDouble).expand({50, 3, 3});
+  EXPECT_TRUE(torch::allclose(torch::bmm(rotation, rotation.transpose(1, 2)), identity, 0, 1e-12));
+  EXPECT_TRUE(torch::allclose(torch::det(rotation), torch::ones({50}, kDouble), 0, 1e-12));
+}
+
+TEST(Rodrigues, QuarterTurnAboutZ) {
+  const torch::Tensor rotation = Rodrigues(torch::tensor({{0.0, 0.0, 1.5707963267948966}}, kDouble));
+  const torch::Tensor expected = torch::tensor({{{0.0, -1.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 0.0, 1.0}}}, kDouble);
+  EXPECT_TRUE(torch::allclose(rotation, expected, 0, 1e-12));
+}
+
+TEST(Rodrigues, GradientIsFiniteAtZero) {
+  torch::Tensor axis_angle = torch::zeros({1, 3}, kDouble).requires_grad_();
+  Rodrigues(axis_angle).sum().backward();
+  EXPECT_TRUE(torch::isfinite(axis_angle.grad()).all().item<bool>());
+}
+
+TEST(Lifter, GradientMatchesNumericOne) {
+  torch::manual_seed(2);
+  Lifter lifter(4, 8);
+  lifter->Initialise(3);
+  lifter->to(torch::kFloat64);
+  const torch::Tensor input = torch::randn({5, 12}, kDouble);
+  const torch::Tensor weights = torch::randn({5, 3, 4}, kDouble);
+  const auto loss = [&] {
+    const LifterOutput output = lifter->forward(input);
+    return (torch::bmm(output.rotation, output.pose) * weights).sum();
+  };
+  loss().backward();
+  for (const auto& item : lifter->named_parameters()) {
+    torch::Tensor flat = item.value().detach().view({-1});
+    const torch::Tensor gradient = item.value().grad().view({-1});
+    for (const std::int64_t index : {std::int64_t{0}, flat.numel() - 1}) {
+      constexpr double kStep = 1e-6;
+      const double original = flat[index].item<double>();
+      flat[index] = original + kStep;
+      const double above = loss().item<double>();
+      flat[index] = original - kStep;
+      const double below = loss().item<double>();
+      flat[index] = original;
+      EXPECT_NEAR(gradient[index].item<double>(), (above - below) / (2 * kStep), 1e-6) << item.key() << " " << index;
+    }
+  }
+}
+
+TEST(Lifter, MirrorNegatesDepthsAndKeepsReprojections) {
+  torch::manual_seed(4);
+  Lifter lifter(17, 32);
+  lifter->Initialise(5);
+  lifter->to(torch::kFloat64);
+  const torch::NoGradGuard no_grad;
+  const torch::Tensor input = torch::randn({9, 51}, kDouble);
+  const LifterOutput before = lifter->forward(input);
+  lifter->Mirror();
+  const LifterOutput after = lifter->forward(input);
+  const torch::Tensor in_camera_before = torch::bmm(before.rotation, before.pose);
+  const torch::Tensor in_camera_after = torch::bmm(after.rotation, after.pose);
+  EXPECT_TRUE(torch::allclose(in_camera_before.narrow(1, 0, 2), in_camera_after.narrow(1, 0, 2), 0, 1e-12));
+  EXPECT_TRUE(torch::allclose(in_camera_before.select(1, 2), -in_camera_after.select(1, 2), 0, 1e-12));
+  // Poses mixed with the rotations of other rows too: this is what the losses see.
+  EXPECT_TRUE(torch::allclose(Depths(before.rotation.roll(1, 0), before.pose), -Depths(after.rotation.roll(1, 0), after.pose), 0,
+                              1e-12));
+  lifter->Mirror();
+  const LifterOutput twice = lifter->forward(input);
+  EXPECT_TRUE(torch::equal(before.pose, twice.pose));
+  EXPECT_TRUE(torch::equal(before.axis_angle, twice.axis_angle));
+}
+
+TEST(Lifter, InitialisationDependsOnTheSeedAlone) {
+  Lifter a(5, 16);
+  Lifter b(5, 16);
+  torch::manual_seed(1);
+  a->Initialise(7);
+  torch::manual_seed(2);
+  b->Initialise(7);
+  for (const auto& item : a->named_parameters()) EXPECT_TRUE(torch::equal(item.value(), b->named_parameters()[item.key()]));
+  b->Initialise(8);
+  EXPECT_FALSE(torch::equal(a->named_parameters()["upscale.weight"], b->named_parameters()["upscale.weight"]));
+  const double bound = 1.0 / std::sqrt(15.0);
+  EXPECT_LE(a->named_parameters()["upscale.weight"].abs().max().item<double>(), bound);
+  EXPECT_GT(a->named_parameters()["upscale.weight"].abs().max().item<double>(), 0.9 * bound);
+}
+
+TEST(Runtime, TellsTheLinearAlgebraLibrary) { EXPECT_FALSE(LinearAlgebraLibrary().empty()); }
+
+}  // namespace
+}  // namespace canonpose

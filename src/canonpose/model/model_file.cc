@@ -1,0 +1,126 @@
+#include "canonpose/model/model_file.h"
+
+#include <fmt/format.h>
+
+#include "canonpose/base/error.h"
+#include "canonpose/data/skeleton_file.h"
+
+namespace canonpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFormat = "canonpose-model";
+constexpr std::int64_t kVersion = 1;
+
+fs::path ModelPath(const fs::path& path) { return fs::is_directory(path) ? path / "model.cpm" : path; }
+
+h5::File OpenModel(const fs::path& path) {
+  const fs::path file_path = ModelPath(path);
+  if (fs::is_directory(path) && !fs::exists(file_path)) {
+    ThrowBadInput({path.string(), "", "a training run with a finished model.cpm", "none in this folder",
+                   "finish the training with: canonpose train ... -o " + path.string() + " --resume"});
+  }
+  h5::File file = h5::File::OpenForReading(file_path);
+  const h5::Group& root = file.root();
+  if (!root.HasAttribute("format") || root.GetString("format") != kFormat) {
+    root.Fail("attribute format", fmt::format("\"{}\"", kFormat),
+              root.HasAttribute("format") ? "\"" + root.GetString("format") + "\"" : "nothing",
+              "give a model made by `canonpose train`");
+  }
+  if (const std::int64_t version = root.GetInt("version"); version != kVersion) {
+    root.Fail("attribute version", fmt::format("{}", kVersion), fmt::format("{}", version),
+              "it was made by another version of this program: use that one or train again");
+  }
+  return file;
+}
+
+}  // namespace
+
+void WriteModelInfo(h5::Group& root, const ModelInfo& info) {
+  root.SetString("program_version", info.program_version);
+  root.SetInt("width", info.width);
+  root.SetString("preset", info.preset);
+  root.SetString("options", info.options);
+  root.SetInt("seed", static_cast<std::int64_t>(info.seed));
+  root.SetInt("steps", info.steps);
+  root.SetString("mirror_decision", info.mirror.decision);
+  root.SetDouble("mirror_slope", info.mirror.slope);
+  root.SetDouble("mirror_slope_error", info.mirror.slope_error);
+  root.SetDouble("perspective", info.perspective);
+  h5::Group skeleton = root.Create("skeleton");
+  WriteSkeleton(skeleton, info.skeleton);
+  h5::Group source = root.Create("source");
+  source.SetString("format", info.source.format);
+  source.SetString("layout", info.source.layout);
+  source.SetDouble("confidence_scale", info.source.confidence_scale);
+  source.SetStrings("mapping", info.source.mapping);
+  h5::Group data = root.Create("data");
+  data.SetStrings("files", info.data_files);
+  data.SetStrings("fingerprints", info.data_fingerprints);
+}
+
+ModelInfo ReadModelInfo(const h5::Group& root) {
+  ModelInfo info;
+  info.program_version = root.GetString("program_version");
+  info.width = static_cast<int>(root.GetInt("width"));
+  info.preset = root.GetString("preset");
+  info.options = root.GetString("options");
+  info.seed = static_cast<std::uint64_t>(root.GetInt("seed"));
+  info.steps = root.GetInt("steps");
+  info.mirror.decision = root.GetString("mirror_decision");
+  info.mirror.slope = root.GetDouble("mirror_slope");
+  info.mirror.slope_error = root.GetDouble("mirror_slope_error");
+  info.perspective = root.GetDouble("perspective");
+  info.skeleton = ReadSkeleton(root.Open("skeleton"));
+  const h5::Group source = root.Open("source");
+  info.source.format = source.GetString("format");
+  info.source.layout = source.GetString("layout");
+  info.source.confidence_scale = source.GetDouble("confidence_scale");
+  info.source.mapping = source.GetStrings("mapping");
+  const h5::Group data = root.Open("data");
+  info.data_files = data.GetStrings("files");
+  info.data_fingerprints = data.GetStrings("fingerprints");
+  return info;
+}
+
+void WriteArrays(h5::Group& group, const NamedArrays& arrays) {
+  for (const auto& [name, array] : arrays) group.Write<float>(name, array.values, array.shape);
+}
+
+NamedArrays ReadArrays(const h5::Group& group) {
+  NamedArrays arrays;
+  for (const std::string& name : group.Children()) arrays[name] = group.Read<float>(name);
+  return arrays;
+}
+
+void WriteModelFile(const fs::path& path, const ModelFile& model) {
+  h5::File file = h5::File::CreateAt(path);
+  file.root().SetString("format", kFormat);
+  file.root().SetInt("version", kVersion);
+  WriteModelInfo(file.root(), model.info);
+  {
+    h5::Group parameters = file.root().Create("parameters");
+    WriteArrays(parameters, model.parameters);
+  }
+  file.Commit();
+}
+
+ModelFile ReadModelFile(const fs::path& path) {
+  h5::File file = OpenModel(path);
+  return {ReadModelInfo(file.root()), ReadArrays(file.root().Open("parameters"))};
+}
+
+ModelInfo ReadModelInfo(const fs::path& path) {
+  h5::File file = OpenModel(path);
+  return ReadModelInfo(file.root());
+}
+
+bool IsModel(const fs::path& path) {
+  const fs::path file_path = ModelPath(path);
+  if (!h5::File::IsHdf5(file_path)) return false;
+  h5::File file = h5::File::OpenForReading(file_path);
+  return file.root().HasAttribute("format") && file.root().GetString("format") == kFormat;
+}
+
+}  // namespace canonpose

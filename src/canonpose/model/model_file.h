@@ -1,0 +1,71 @@
+// The model file (.cpm): everything needed to use a trained lifter, in one HDF5 file. No LibTorch here, so that `info` and others can
+// read one without it.
+//
+//   /            attributes format = "canonpose-model", version = 1, program_version, width, preset, options (JSON), seed, steps,
+//                mirror_decision, mirror_slope, mirror_slope_error, perspective
+//   /skeleton    as in a dataset file
+//   /source      attributes format, layout, confidence_scale, mapping: the kind of keypoint file it was trained on
+//   /data        attributes files, fingerprints: what it was trained on
+//   /parameters  one float32 array a tensor
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "canonpose/base/hdf5.h"
+#include "canonpose/data/dataset.h"
+#include "canonpose/skeleton/skeleton.h"
+
+namespace canonpose {
+
+/// Named tensors as plain arrays; name -> values and shape.
+using NamedArrays = std::map<std::string, h5::Array<float>>;
+
+/// How it was decided which of the two depth mirrors the network is (train/mirror.h).
+struct MirrorDecision {
+  std::string decision = "undecided";  ///< "kept", "flipped", "undecided" or "kept by request", "flipped by request"
+  double slope = 0.0;                  ///< perspective slope before the decision; negative for the right one
+  double slope_error = 0.0;            ///< its standard error over clips
+};
+
+struct ModelInfo {
+  std::string program_version;
+  Skeleton skeleton;
+  DatasetSource source;
+  int width = 0;
+  std::string preset;
+  std::string options;  ///< JSON of every training option
+  std::uint64_t seed = 0;
+  std::int64_t steps = 0;
+  MirrorDecision mirror;
+  double perspective = 0.0;                    ///< learned perspective factor k, 0 where none was learned
+  std::vector<std::string> data_files;         ///< names without folders
+  std::vector<std::string> data_fingerprints;  ///< hexadecimal, see Dataset::Fingerprint()
+};
+
+struct ModelFile {
+  ModelInfo info;
+  NamedArrays parameters;
+};
+
+/// Writes atomically; the same model gives the same bits. Throws Error(kBadInput).
+void WriteModelFile(const std::filesystem::path& path, const ModelFile& model);
+
+/// `path` is a model file, or the folder of a training run that holds model.cpm. Throws Error(kBadInput).
+ModelFile ReadModelFile(const std::filesystem::path& path);
+/// The same without the weights.
+ModelInfo ReadModelInfo(const std::filesystem::path& path);
+
+/// Whether `path` is a model file or a run's folder with one.
+bool IsModel(const std::filesystem::path& path);
+
+/// Shared with checkpoints.
+void WriteModelInfo(h5::Group& root, const ModelInfo& info);
+ModelInfo ReadModelInfo(const h5::Group& root);
+void WriteArrays(h5::Group& group, const NamedArrays& arrays);
+NamedArrays ReadArrays(const h5::Group& group);
+
+}  // namespace canonpose

@@ -1,0 +1,105 @@
+#include "canonpose/model/model_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/testing.h"
+#include "canonpose/model/tensors.h"
+
+namespace canonpose {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::ErrorOf;
+using testing::TemporaryFolder;
+
+ModelFile Example() {
+  ModelFile model;
+  model.info.program_version = "1.2.3";
+  model.info.skeleton = *FindSkeleton("h36m-17");
+  model.info.source = {"openpose", "body_25b", 1.5, {"a", "b"}};
+  model.info.width = 16;
+  model.info.preset = "plus";
+  model.info.options = R"({"width": 16})";
+  model.info.seed = 7;
+  model.info.steps = 1234;
+  model.info.mirror = {"flipped", 0.15, 0.01};
+  model.info.perspective = 0.8;
+  model.info.data_files = {"data.h5"};
+  model.info.data_fingerprints = {"0123456789abcdef"};
+  Lifter lifter(17, 16);
+  lifter->Initialise(1);
+  model.parameters = ParametersOf(lifter);
+  return model;
+}
+
+TEST(ModelFile, RoundTripKeepsEverything) {
+  const TemporaryFolder folder;
+  const ModelFile model = Example();
+  WriteModelFile(folder / "model.cpm", model);
+  EXPECT_TRUE(IsModel(folder / "model.cpm"));
+  EXPECT_TRUE(IsModel(folder.path()));
+  const ModelFile read = ReadModelFile(folder.path());
+  EXPECT_EQ(read.info.program_version, "1.2.3");
+  EXPECT_TRUE(read.info.skeleton.SameJoints(model.info.skeleton));
+  EXPECT_EQ(read.info.source.mapping, model.info.source.mapping);
+  EXPECT_EQ(read.info.source.confidence_scale, 1.5);
+  EXPECT_EQ(read.info.options, model.info.options);
+  EXPECT_EQ(read.info.steps, 1234);
+  EXPECT_EQ(read.info.mirror.decision, "flipped");
+  EXPECT_EQ(read.info.mirror.slope, 0.15);
+  EXPECT_EQ(read.info.perspective, 0.8);
+  EXPECT_EQ(read.info.data_fingerprints, model.info.data_fingerprints);
+  ASSERT_EQ(read.parameters.size(), model.parameters.size());
+  for (const auto& [name, array] : model.parameters) EXPECT_EQ(read.parameters.at(name).values, array.values) << name;
+}
+
+TEST(ModelFile, SameModelSameBits) {
+  const TemporaryFolder folder;
+  WriteModelFile(folder / "a.cpm", Example());
+  WriteModelFile(folder / "b.cpm", Example());
+  EXPECT_EQ(ReadFile(folder / "a.cpm"), ReadFile(folder / "b.cpm"));
+}
+
+TEST(ModelFile, LifterGivesTheSamePosesAfterReading) {
+  const TemporaryFolder folder;
+  WriteModelFile(folder / "model.cpm", Example());
+  const ModelFile model = ReadModelFile(folder / "model.cpm");
+  Lifter original(17, 16);
+  original->Initialise(1);
+  Lifter read = MakeLifter(model, "model.cpm", torch::kCPU);
+  const torch::NoGradGuard no_grad;
+  const torch::Tensor input = torch::ones({1, 51});
+  EXPECT_TRUE(torch::equal(original->forward(input).pose, read->forward(input).pose));
+}
+
+TEST(ModelFile, RefusesOtherVersionsFormatsAndTruncations) {
+  const TemporaryFolder folder;
+  WriteModelFile(folder / "model.cpm", Example());
+  const std::string whole = ReadFile(folder / "model.cpm");
+  for (std::size_t size = 0; size < whole.size(); size += whole.size() / 17) {
+    WriteFileAtomically(folder / "cut.cpm", whole.substr(0, size));
+    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadModelFile(folder / "cut.cpm"); }), HasSubstr("cut.cpm"));
+  }
+  {
+    h5::File file = h5::File::CreateAt(folder / "other.cpm");
+    file.root().SetString("format", "canonpose-model");
+    file.root().SetInt("version", 9);
+    file.Commit();
+  }
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadModelFile(folder / "other.cpm"); }),
+              AllOf(HasSubstr("version"), HasSubstr("expected 1"), HasSubstr("found 9")));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadModelFile(folder / "nothing.cpm"); }), HasSubstr("nothing.cpm"));
+}
+
+TEST(ModelFile, RefusesWeightsOfAnotherWidth) {
+  ModelFile model = Example();
+  model.info.width = 32;
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { MakeLifter(model, "model.cpm", torch::kCPU); }),
+              AllOf(HasSubstr("upscale.weight"), HasSubstr("(32, 51)"), HasSubstr("(16, 51)")));
+}
+
+}  // namespace
+}  // namespace canonpose

@@ -1,8 +1,9 @@
 // Pinhole cameras with Brown-Conrady distortion.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
+
+#include <Eigen/Core>
 
 namespace canonpose {
 
@@ -18,7 +19,8 @@ struct Camera {
   }
   /// The pixel of a point; NaN where it lies behind the camera.
   [[nodiscard]] Eigen::Vector2d Project(const Eigen::Vector3d& point_in_world_mm) const;
-  /// Normalised image coordinates (x/z, y/z) of a pixel, the distortion undone by fixed-point iteration to 1e-12; NaN stays NaN.
+  /// Normalised image coordinates (x/z, y/z) of a pixel, the distortion undone by fixed-point iteration to 1e-12; NaN
+  /// stays NaN, and so does a pixel so far out that the distortion has no inverse there.
   [[nodiscard]] Eigen::Vector2d Undistort(const Eigen::Vector2d& pixel) const;
 };
 

@@ -28,7 +28,8 @@ bool NormalisePose(const float* keypoints, const float* confidence, int joint_co
     squares += static_cast<double>(x) * x + static_cast<double>(y) * y;
   }
   if (2 * seen_count < joints || !(squares > 0.0)) return false;
-  pose.scale_px = static_cast<float>(std::sqrt(squares * static_cast<double>(joints) / static_cast<double>(seen_count)));
+  pose.scale_px =
+      static_cast<float>(std::sqrt(squares * static_cast<double>(joints) / static_cast<double>(seen_count)));
   for (float& value : pose.keypoints) value /= pose.scale_px;
   return true;
 }

@@ -12,11 +12,11 @@ struct NormalisedPose {
   float scale_px = 0.0F;          ///< what the centred pose was divided by
 };
 
-/// Subtracts the root joint and divides by the Frobenius norm of the joints that are seen, so that a full pose has norm 1. With S
-/// of J joints seen the norm is sqrt(S / J): each joint keeps the size it would have in a full pose.
+/// Subtracts the root joint and divides by the Frobenius norm of the joints that are seen, so that a full pose has
+/// norm 1. With S of J joints seen the norm is sqrt(S / J): each joint keeps the size it would have in a full pose.
 ///
-/// keypoints is (J, 2) in pixels, NaN where missing; confidence is (J), 0 where missing. Returns false, `pose` unspecified, where
-/// the root or more than half of the joints are missing, or all joints coincide.
+/// keypoints is (J, 2) in pixels, NaN where missing; confidence is (J), 0 where missing. Returns false, `pose`
+/// unspecified, where the root or more than half of the joints are missing, or all joints coincide.
 bool NormalisePose(const float* keypoints, const float* confidence, int joint_count, int root, NormalisedPose& pose);
 
 }  // namespace canonpose

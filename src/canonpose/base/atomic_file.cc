@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -84,6 +85,14 @@ void WriteFileAtomically(const fs::path& path, std::string_view contents) {
   }
   if (::close(descriptor) != 0) ThrowCannotWrite(path, errno);
   file.Commit();
+}
+
+void AppendLine(const fs::path& path, const std::string& line) {
+  std::ofstream file(path, std::ios::app);
+  errno = 0;
+  file << line << "\n";
+  file.close();
+  if (!file) ThrowCannotWrite(path, errno == 0 ? EIO : errno);
 }
 
 std::string ReadFile(const fs::path& path) {

@@ -35,6 +35,9 @@ class AtomicFile {
 /// Writes `contents` as a whole. Throws Error(kBadInput), with the system's reason and the old file kept.
 void WriteFileAtomically(const std::filesystem::path& path, std::string_view contents);
 
+/// Adds a line to a file, made where there is none. Throws Error(kBadInput).
+void AppendLine(const std::filesystem::path& path, const std::string& line);
+
 /// The whole file. Throws Error(kBadInput) where it cannot be read.
 std::string ReadFile(const std::filesystem::path& path);
 

@@ -1,0 +1,52 @@
+// A trained model at work: 2D poses of one camera in, 3D poses out. No LibTorch in this header.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "canonpose/data/dataset.h"
+#include "canonpose/model/model_file.h"
+
+namespace canonpose {
+
+/// 3D poses of T frames in the network's unit, each in a scale of its own; NaN in frames whose 2D pose cannot be used
+/// (geometry/normalisation.h). Root-centred: pose_in_camera = rotation * canonical.
+struct LiftedPoses {
+  int frame_count = 0;
+  int joint_count = 0;
+  std::vector<float> pose_in_camera;  ///< (T, J, 3) x right, y down, z forward
+  std::vector<float> canonical;       ///< (T, J, 3)
+  std::vector<float> rotation;        ///< (T, 3, 3) camera_from_canonical
+};
+
+class PoseLifter {
+ public:
+  /// Opens a model file or the folder of a finished run. `device` is cpu or cuda. Throws Error(kBadInput).
+  static PoseLifter Open(const std::filesystem::path& run_or_model, const std::string& device = "cpu");
+  ~PoseLifter();
+  PoseLifter(PoseLifter&&) noexcept;
+  PoseLifter& operator=(PoseLifter&&) = delete;
+
+  [[nodiscard]] const ModelInfo& info() const;
+  [[nodiscard]] const Skeleton& skeleton() const { return info().skeleton; }
+
+  /// Lifts the T frames of a view whose joints are those of skeleton().
+  [[nodiscard]] LiftedPoses Lift(const CameraView& view, int frame_count) const;
+
+  /// Throws Error(kBadInput) naming `file` where data of `other` cannot be lifted by this model.
+  void RequireSkeleton(const Skeleton& other, const std::string& file) const;
+
+ private:
+  struct State;
+  explicit PoseLifter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Turns every pose to millimetres of a person `height_mm` tall: each pose gets the same sum of bone lengths, and the person's stature
+/// is the median over frames of the path from an ankle over the hips to the head, which are 3.9 % and 93.6 to 100 % of the stature above
+/// ground (Winter, Biomechanics and Motor Control of Human Movement). Throws Error(kBadInput) where the skeleton has no such path.
+void ScaleToHeight(LiftedPoses& poses, const Skeleton& skeleton, double height_mm);
+
+}  // namespace canonpose

@@ -1,0 +1,120 @@
+#include "canonpose/lift/lifter.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "canonpose/base/random.h"
+#include "canonpose/base/testing.h"
+#include "canonpose/model/tensors.h"
+
+namespace canonpose {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::ErrorOf;
+using testing::TemporaryFolder;
+
+constexpr int kFrames = 5;
+constexpr int kJoints = 17;
+
+CameraView RandomView(std::uint64_t seed) {
+  Rng rng(seed);
+  CameraView view;
+  for (int i = 0; i < kFrames * kJoints; ++i) {
+    view.keypoints.push_back(static_cast<float>(rng.Uniform(0, 1000)));
+    view.keypoints.push_back(static_cast<float>(rng.Uniform(0, 1000)));
+    view.confidence.push_back(static_cast<float>(rng.Uniform(0.5, 1)));
+  }
+  return view;
+}
+
+std::filesystem::path WriteModel(const TemporaryFolder& folder) {
+  ModelFile model;
+  model.info.skeleton = *FindSkeleton("h36m-17");
+  model.info.width = 24;
+  Lifter lifter(kJoints, 24);
+  lifter->Initialise(3);
+  model.parameters = ParametersOf(lifter);
+  WriteModelFile(folder / "model.cpm", model);
+  return folder / "model.cpm";
+}
+
+TEST(PoseLifter, PoseIsRotationTimesCanonicalAndRootIsTheOrigin) {
+  const TemporaryFolder folder;
+  const PoseLifter lifter = PoseLifter::Open(WriteModel(folder));
+  const LiftedPoses lifted = lifter.Lift(RandomView(1), kFrames);
+  for (std::size_t t = 0; t < kFrames; ++t) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        double turned = 0.0;
+        for (std::size_t k = 0; k < 3; ++k) {
+          turned += static_cast<double>(lifted.rotation[t * 9 + axis * 3 + k]) * lifted.canonical[(t * kJoints + j) * 3 + k];
+        }
+        EXPECT_NEAR(lifted.pose_in_camera[(t * kJoints + j) * 3 + axis], turned, 1e-5);
+        if (j == 0) {
+          EXPECT_EQ(lifted.pose_in_camera[t * kJoints * 3 + axis], 0.0F);
+        }
+      }
+    }
+  }
+}
+
+TEST(PoseLifter, DoesNotDependOnWhereAndHowLargeThePersonIs) {
+  const TemporaryFolder folder;
+  const PoseLifter lifter = PoseLifter::Open(WriteModel(folder));
+  const CameraView view = RandomView(2);
+  CameraView moved = view;
+  for (std::size_t i = 0; i < moved.keypoints.size(); ++i) moved.keypoints[i] = 0.5F * moved.keypoints[i] + (i % 2 == 0 ? 300.0F : -20.0F);
+  const LiftedPoses a = lifter.Lift(view, kFrames);
+  const LiftedPoses b = lifter.Lift(moved, kFrames);
+  for (std::size_t i = 0; i < a.pose_in_camera.size(); ++i) EXPECT_NEAR(a.pose_in_camera[i], b.pose_in_camera[i], 1e-4);
+}
+
+TEST(PoseLifter, FramesWithoutAPersonStayMissing) {
+  const TemporaryFolder folder;
+  const PoseLifter lifter = PoseLifter::Open(WriteModel(folder));
+  CameraView view = RandomView(3);
+  for (int j = 0; j < kJoints; ++j) view.confidence[2 * kJoints + j] = 0.0F;
+  const LiftedPoses lifted = lifter.Lift(view, kFrames);
+  EXPECT_TRUE(std::isnan(lifted.pose_in_camera[2 * kJoints * 3]));
+  EXPECT_TRUE(std::isnan(lifted.rotation[2 * 9]));
+  EXPECT_FALSE(std::isnan(lifted.pose_in_camera[3 * kJoints * 3]));
+}
+
+TEST(PoseLifter, RefusesAnotherSkeleton) {
+  const TemporaryFolder folder;
+  const PoseLifter lifter = PoseLifter::Open(WriteModel(folder));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { lifter.RequireSkeleton(*FindSkeleton("coco-17"), "data.h5"); }),
+              AllOf(HasSubstr("data.h5"), HasSubstr("Hip"), HasSubstr("LEye")));
+}
+
+TEST(ScaleToHeight, AStandingFigureGetsItsStature) {
+  const Skeleton& skeleton = *FindSkeleton("h36m-17");
+  // A stick figure: ankles 39 mm, head top 1000 mm above ground, in arbitrary units; every path straight up.
+  LiftedPoses poses;
+  poses.frame_count = 1;
+  poses.joint_count = kJoints;
+  poses.pose_in_camera.assign(kJoints * 3, 0.0F);
+  const auto put = [&](const char* name, float x, float up) {
+    const int j = *skeleton.Find(name);
+    poses.pose_in_camera[3 * j] = x;
+    poses.pose_in_camera[3 * j + 1] = -up;
+  };
+  for (const auto& [name, up] : std::initializer_list<std::pair<const char*, float>>{
+           {"Hip", 530}, {"Spine", 650}, {"Thorax", 800}, {"Nose", 900}, {"Head", 1000}, {"LHip", 530}, {"RHip", 530},
+           {"LKnee", 285}, {"RKnee", 285}, {"LFoot", 39}, {"RFoot", 39}, {"LShoulder", 800}, {"RShoulder", 800},
+           {"LElbow", 600}, {"RElbow", 600}, {"LWrist", 400}, {"RWrist", 400}}) {
+    put(name, 0.0F, up);
+  }
+  poses.canonical = poses.pose_in_camera;
+  for (float& value : poses.pose_in_camera) value *= 0.01F;
+  ScaleToHeight(poses, skeleton, 1800.0);
+  const auto up = [&](const char* name) { return -poses.pose_in_camera[3 * *skeleton.Find(name) + 1]; };
+  EXPECT_NEAR(up("Head") - up("LFoot"), 1800.0 * 0.961, 1.0);
+}
+
+}  // namespace
+}  // namespace canonpose

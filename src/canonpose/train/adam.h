@@ -1,0 +1,42 @@
+// Adam (Kingma and Ba 2015) with L2 weight decay, its state open to checkpoints and to the mirror.
+#pragma once
+
+#include <torch/torch.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace canonpose {
+
+/// The same numbers as PyTorch's: g += decay p; m = b1 m + (1 - b1) g; v = b2 v + (1 - b2) g^2;
+/// p -= rate / (1 - b1^t) m / (sqrt(v / (1 - b2^t)) + eps), with b1 = 0.9, b2 = 0.999, eps = 1e-8. On the CPU one pass over memory does
+/// all of it: the optimiser is bound by memory traffic, and LibTorch's own needs several passes and differs in its interface between
+/// versions.
+class Adam {
+ public:
+  struct Parameter {
+    std::string name;
+    torch::Tensor value;
+    torch::Tensor first_moment;
+    torch::Tensor second_moment;
+  };
+
+  /// Keeps references to the parameters' tensors.
+  Adam(const std::vector<std::pair<std::string, torch::Tensor>>& parameters, double weight_decay);
+
+  /// One step from the gradients, which are then cleared. A parameter without gradient is left alone.
+  void Step(double learning_rate);
+
+  [[nodiscard]] std::vector<Parameter>& parameters() { return parameters_; }
+  [[nodiscard]] const std::vector<Parameter>& parameters() const { return parameters_; }
+  [[nodiscard]] std::int64_t step_count() const { return step_count_; }
+  void set_step_count(std::int64_t count) { step_count_ = count; }
+
+ private:
+  std::vector<Parameter> parameters_;
+  double weight_decay_;
+  std::int64_t step_count_ = 0;
+};
+
+}  // namespace canonpose

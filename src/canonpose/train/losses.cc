@@ -1,0 +1,185 @@
+#include "canonpose/train/losses.h"
+
+#include <algorithm>
+#include <map>
+
+namespace canonpose {
+namespace {
+
+constexpr double kSmallestPerspectiveDivisor = 0.1;
+
+/// Row of each view in each frame, by camera; -1 where the camera missed the person.
+struct RowTable {
+  explicit RowTable(const std::vector<const TrainingFrame*>& frames) : first_row(frames.size()) {
+    std::int64_t row = 0;
+    for (std::size_t n = 0; n < frames.size(); ++n) {
+      first_row[n] = row;
+      row += static_cast<std::int64_t>(frames[n]->views.size());
+    }
+    row_count = row;
+  }
+  std::vector<std::int64_t> first_row;  // (frames)
+  std::int64_t row_count = 0;
+};
+
+void AddViewPairs(const std::vector<const TrainingFrame*>& frames, const RowTable& rows, PairList& pairs) {
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    const auto views = static_cast<std::int64_t>(frames[n]->views.size());
+    if (views < 2) continue;
+    const float weight = 1.0F / (static_cast<float>(frames.size()) * static_cast<float>(views - 1));
+    for (std::int64_t i = 0; i < views; ++i) {
+      for (std::int64_t j = 0; j < views; ++j) {
+        if (i == j) continue;
+        pairs.source.push_back(rows.first_row[n] + i);
+        pairs.target.push_back(rows.first_row[n] + j);
+        pairs.weight.push_back(weight);
+      }
+    }
+  }
+}
+
+/// The frames of one capture in a batch: row by frame and camera.
+struct CaptureRows {
+  std::vector<std::vector<std::int64_t>> by_frame;  // [frame][camera], -1 where missing
+};
+
+void AddCameraPairs(const CaptureRows& capture, std::size_t cameras, const DrawPermutation& draw, PairList& pairs) {
+  const std::size_t frames = capture.by_frame.size();
+  for (std::size_t i = 0; i < cameras; ++i) {
+    const std::vector<std::size_t> permutation = draw(frames);
+    const std::size_t first = pairs.size();
+    for (std::size_t n = 0; n < frames; ++n) {
+      const auto& own = capture.by_frame[n];
+      const auto& other = capture.by_frame[permutation[n]];
+      for (std::size_t j = 0; j < cameras; ++j) {
+        if (j == i || own[i] < 0 || own[j] < 0 || other[i] < 0 || other[j] < 0) continue;
+        pairs.source.push_back(own[i]);
+        pairs.target.push_back(own[j]);
+        pairs.to.push_back(other[j]);
+        pairs.from.push_back(other[i]);
+      }
+    }
+    const std::size_t count = pairs.size() - first;
+    pairs.weight.insert(pairs.weight.end(), count, count == 0 ? 0.0F : 1.0F / static_cast<float>(count));
+  }
+}
+
+torch::Tensor IndexTensor(const std::vector<std::int64_t>& indices, torch::Device device) {
+  return torch::tensor(indices, torch::kInt64).to(device);
+}
+
+/// sqrt(sum of squares / (2 x joints seen)) of (P, 2, J), 1 where it would be zero.
+torch::Tensor SeenNorm(const torch::Tensor& points, const torch::Tensor& seen) {
+  const torch::Tensor count = 2 * seen.sum(1);                                         // (P)
+  const torch::Tensor squares = (points * points * seen.unsqueeze(1)).sum({1, 2});     // (P)
+  return torch::sqrt(torch::clamp_min(squares / torch::clamp_min(count, 1), 1e-12)).view({-1, 1, 1});
+}
+
+torch::Tensor WeightedError(const torch::Tensor& rotated, const PairList& pairs, const BatchTensors& batch,
+                            const torch::Tensor& targets, const torch::Tensor& perspective, int root) {
+  const torch::Tensor weight = torch::tensor(pairs.weight, torch::kFloat32).to(rotated.options());
+  const torch::Tensor errors = PairErrors(Project(rotated, perspective, root), batch.keypoints.index_select(0, targets),
+                                          batch.confidence.index_select(0, targets));
+  return (errors * weight).sum();
+}
+
+}  // namespace
+
+BatchPairs MakeBatchPairs(const std::vector<const TrainingFrame*>& frames, const std::vector<std::uint8_t>& static_captures,
+                          bool with_camera_loss, const DrawPermutation& draw_permutation) {
+  BatchPairs pairs;
+  const RowTable rows(frames);
+  for (std::int64_t row = 0; row < rows.row_count; ++row) {
+    pairs.reprojection.source.push_back(row);
+    pairs.reprojection.target.push_back(row);
+    pairs.reprojection.weight.push_back(1.0F / static_cast<float>(rows.row_count));
+  }
+  AddViewPairs(frames, rows, pairs.view);
+  if (!with_camera_loss) return pairs;
+
+  std::map<int, std::size_t> camera_counts;
+  for (const TrainingFrame* frame : frames) {
+    std::size_t& count = camera_counts[frame->capture];
+    for (const TrainingView& view : frame->views) count = std::max(count, static_cast<std::size_t>(view.camera) + 1);
+  }
+  std::map<int, CaptureRows> captures;
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    const TrainingFrame& frame = *frames[n];
+    std::vector<std::int64_t> by_camera(camera_counts[frame.capture], -1);
+    for (std::size_t v = 0; v < frame.views.size(); ++v) {
+      by_camera[static_cast<std::size_t>(frame.views[v].camera)] = rows.first_row[n] + static_cast<std::int64_t>(v);
+    }
+    captures[frame.capture].by_frame.push_back(std::move(by_camera));
+  }
+  for (const auto& [capture, capture_rows] : captures) {
+    if (static_captures[static_cast<std::size_t>(capture)] == 0 || capture_rows.by_frame.size() < 2) continue;
+    AddCameraPairs(capture_rows, camera_counts[capture], draw_permutation, pairs.camera);
+  }
+  return pairs;
+}
+
+BatchTensors GatherBatch(const TrainingSet& set, const std::vector<const TrainingFrame*>& frames, torch::Device device) {
+  std::int64_t rows = 0;
+  for (const TrainingFrame* frame : frames) rows += static_cast<std::int64_t>(frame->views.size());
+  const auto joints = static_cast<std::int64_t>(set.joint_count);
+  BatchTensors batch{torch::empty({rows, 2, joints}), torch::empty({rows, joints})};
+  float* keypoints = batch.keypoints.data_ptr<float>();
+  float* confidence = batch.confidence.data_ptr<float>();
+  for (const TrainingFrame* frame : frames) {
+    for (const TrainingView& view : frame->views) {
+      keypoints = std::copy_n(set.keypoints.begin() + view.row * 2 * joints, 2 * joints, keypoints);
+      confidence = std::copy_n(set.confidence.begin() + view.row * joints, joints, confidence);
+    }
+  }
+  batch.keypoints = batch.keypoints.to(device);
+  batch.confidence = batch.confidence.to(device);
+  return batch;
+}
+
+torch::Tensor LifterInput(const BatchTensors& batch) {
+  return torch::cat({batch.keypoints.flatten(1), batch.confidence}, 1);
+}
+
+torch::Tensor Project(const torch::Tensor& pose_in_camera, const torch::Tensor& perspective, int root) {
+  const torch::Tensor xy = pose_in_camera.narrow(1, 0, 2);
+  if (!perspective.defined()) return xy;
+  const torch::Tensor centred = pose_in_camera - pose_in_camera.narrow(2, root, 1);                       // (P, 3, J)
+  const torch::Tensor norm = torch::sqrt(torch::clamp_min((centred * centred).sum({1, 2}), 1e-12)).view({-1, 1, 1});
+  const torch::Tensor depth = centred.narrow(1, 2, 1) / norm;                                             // (P, 1, J)
+  return xy / torch::clamp_min(1 + perspective * depth, kSmallestPerspectiveDivisor);
+}
+
+torch::Tensor PairErrors(const torch::Tensor& projected, const torch::Tensor& keypoints, const torch::Tensor& confidence) {
+  const torch::Tensor seen = (confidence > 0).to(projected.scalar_type());  // (P, J)
+  const torch::Tensor difference = keypoints / SeenNorm(keypoints, seen) - projected / SeenNorm(projected, seen);
+  return (difference.abs().sum(1) * confidence).sum(1) / (2.0 * static_cast<double>(confidence.size(1)));
+}
+
+Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs, const LossWeights& weights,
+                     const torch::Tensor& perspective, int root) {
+  const torch::Device device = batch.keypoints.device();
+  Losses losses;
+
+  const torch::Tensor own = torch::bmm(output.rotation, output.pose);  // (R, 3, J)
+  losses.reprojection = WeightedError(own, pairs.reprojection, batch, IndexTensor(pairs.reprojection.target, device), perspective, root);
+
+  const torch::Tensor view_target = IndexTensor(pairs.view.target, device);
+  const torch::Tensor view_rotated = torch::bmm(output.rotation.index_select(0, view_target),
+                                                output.pose.index_select(0, IndexTensor(pairs.view.source, device)));
+  losses.view = WeightedError(view_rotated, pairs.view, batch, view_target, perspective, root);
+
+  losses.total = weights.reprojection * losses.reprojection + weights.view * losses.view;
+  if (pairs.camera.size() == 0) {
+    losses.camera = torch::zeros({}, own.options());
+    return losses;
+  }
+  const torch::Tensor relative =
+      torch::bmm(output.rotation.index_select(0, IndexTensor(pairs.camera.to, device)),
+                 output.rotation.index_select(0, IndexTensor(pairs.camera.from, device)).transpose(1, 2));
+  const torch::Tensor camera_rotated = torch::bmm(relative, own.index_select(0, IndexTensor(pairs.camera.source, device)));
+  losses.camera = WeightedError(camera_rotated, pairs.camera, batch, IndexTensor(pairs.camera.target, device), perspective, root);
+  losses.total = losses.total + weights.camera * losses.camera;
+  return losses;
+}
+
+}  // namespace canonpose

@@ -1,0 +1,54 @@
+// Which of the two depth mirrors a trained lifter is, read from perspective.
+//
+// Under weak perspective a solution (X, R) and its depth mirror (F X, F R F), F = diag(1, 1, -1), have the same losses. Real cameras are
+// not weak: near parts of the body look larger. With W = xy / (1 + k z) about xy (1 - k z), the reprojection residual W - q, regressed
+// on z q, has slope -k < 0 for the right solution, and a positive one for the mirrored.
+#pragma once
+
+#include <torch/torch.h>
+
+#include <string>
+#include <vector>
+
+#include "canonpose/model/lifter.h"
+#include "canonpose/train/training_set.h"
+
+namespace canonpose {
+
+/// The perspective slope with its standard error over clips.
+struct PerspectiveSlope {
+  double slope = 0.0;
+  double standard_error = 0.0;
+  int clips = 0;
+
+  /// |slope| in standard errors.
+  [[nodiscard]] double sureness() const;
+  /// Whether the slope tells the mirror at all: at least `kSure` standard errors from zero, from at least four clips.
+  [[nodiscard]] bool is_sure() const;
+  [[nodiscard]] bool is_mirrored() const { return slope > 0.0; }
+  /// "slope -0.21 +- 0.02 over 16 clips"
+  [[nodiscard]] std::string Describe() const;
+
+  static constexpr double kSure = 3.0;
+};
+
+/// Least squares over the joints of one clip and camera: residual = slope (z q) + scale q, weighted by confidence.
+class SlopeRegression {
+ public:
+  /// One coordinate of one joint: residual r, reprojection q, depth z relative to the root in units of the pose's norm.
+  void Add(double residual, double reprojection, double depth, double weight);
+  /// False, `slope` untouched, where the data do not determine it.
+  bool Solve(double& slope) const;
+
+ private:
+  double zz_ = 0.0, zq_ = 0.0, qq_ = 0.0, rz_ = 0.0, rq_ = 0.0;
+};
+
+/// Mean and standard error of clips' slopes.
+PerspectiveSlope CombineSlopes(const std::vector<double>& slopes);
+
+/// The slope of a lifter on a training set, each clip and camera on its own. Poses are taken from one view and compared in the others,
+/// where the network could not bend them to the perspective it saw.
+PerspectiveSlope MeasurePerspectiveSlope(Lifter& lifter, const TrainingSet& set, int root, torch::Device device);
+
+}  // namespace canonpose

@@ -1,0 +1,146 @@
+#include "canonpose/train/options.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <type_traits>
+
+#include "canonpose/base/error.h"
+
+namespace canonpose {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Calls visit(name, field, changes_result) for every field, in order.
+template <typename Options, typename Visit>
+void VisitFields(Options& o, Visit&& visit) {
+  visit("preset", o.preset, true);
+  visit("epochs", o.epochs, true);
+  visit("default_epochs", o.default_epochs, true);
+  visit("min_steps", o.min_steps, true);
+  visit("width", o.width, true);
+  visit("batch_frames", o.batch_frames, true);
+  visit("learning_rate", o.learning_rate, true);
+  visit("weight_decay", o.weight_decay, true);
+  visit("view_weight", o.view_weight, true);
+  visit("camera_weight", o.camera_weight, true);
+  visit("camera_consistency", o.camera_consistency, true);
+  visit("perspective", o.perspective, true);
+  visit("perspective_warmup", o.perspective_warmup, true);
+  visit("perspective_learning_rate", o.perspective_learning_rate, true);
+  visit("mirror", o.mirror, true);
+  visit("validation", o.validation, true);
+  visit("seed", o.seed, true);
+  visit("threads", o.threads, false);
+  visit("device", o.device, false);
+  visit("checkpoint_seconds", o.checkpoint_seconds, false);
+}
+
+template <typename Field>
+void ParseField(const std::string& name, const std::string& text, Field& field) {
+  if constexpr (std::is_same_v<Field, std::string>) {
+    field = text;
+  } else {
+    Field value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) {
+      ThrowUsage("--set {}: expected a {}, found \"{}\"", name, std::is_integral_v<Field> ? "whole number" : "number", text);
+    }
+    field = value;
+  }
+}
+
+void RequireOneOf(const char* name, const std::string& value, std::initializer_list<const char*> allowed) {
+  std::string list;
+  for (const char* word : allowed) {
+    if (value == word) return;
+    list += (list.empty() ? "" : ", ") + std::string(word);
+  }
+  ThrowUsage("{}: expected one of {}, found \"{}\"", name, list, value);
+}
+
+}  // namespace
+
+void TrainOptions::Validate() const {
+  const auto require = [](bool ok, const char* name, const char* expected, double found) {
+    if (!ok) ThrowUsage("{}: expected {}, found {}", name, expected, found);
+  };
+  require(epochs >= 0, "epochs", "1 or more", epochs);
+  require(default_epochs >= 1, "default_epochs", "1 or more", default_epochs);
+  require(min_steps >= 0, "min_steps", "0 or more", min_steps);
+  require(width >= 1 && width <= 65536, "width", "1 to 65536", width);
+  require(batch_frames >= 1, "batch_frames", "1 or more", batch_frames);
+  require(learning_rate > 0, "learning_rate", "more than 0", learning_rate);
+  require(weight_decay >= 0, "weight_decay", "0 or more", weight_decay);
+  require(view_weight >= 0, "view_weight", "0 or more", view_weight);
+  require(camera_weight >= 0, "camera_weight", "0 or more", camera_weight);
+  require(perspective_warmup >= 0 && perspective_warmup <= 1, "perspective_warmup", "0 to 1", perspective_warmup);
+  require(perspective_learning_rate > 0, "perspective_learning_rate", "more than 0", perspective_learning_rate);
+  require(validation >= 0 && validation <= 0.5, "validation", "0 to 0.5", validation);
+  require(threads >= 0, "threads", "0 or more", threads);
+  require(checkpoint_seconds >= 0, "checkpoint_seconds", "0 or more", checkpoint_seconds);
+  RequireOneOf("camera_consistency", camera_consistency, {"off", "static"});
+  RequireOneOf("perspective", perspective, {"off", "learned"});
+  RequireOneOf("mirror", mirror, {"auto", "keep", "flip"});
+}
+
+std::string TrainOptions::ToJson() const {
+  Json json;
+  VisitFields(*this, [&](const char* name, const auto& field, bool) { json[name] = field; });
+  return json.dump();
+}
+
+TrainOptions TrainOptions::FromJson(const std::string& text) {
+  TrainOptions options;
+  const Json json = Json::parse(text);
+  VisitFields(options, [&](const char* name, auto& field, bool) {
+    if (json.contains(name)) json[name].get_to(field);
+  });
+  return options;
+}
+
+void TrainOptions::Set(const std::string& name, const std::string& value) {
+  bool found = false;
+  std::string known;
+  VisitFields(*this, [&](const char* field_name, auto& field, bool) {
+    known += (known.empty() ? "" : ", ") + std::string(field_name);
+    if (name != field_name) return;
+    ParseField(name, value, field);
+    found = true;
+  });
+  if (!found) ThrowUsage("--set: there is no option \"{}\"; there are {}", name, known);
+}
+
+std::string TrainOptions::Get(const std::string& name) const {
+  std::string value;
+  VisitFields(*this, [&](const char* field_name, const auto& field, bool) {
+    if (name == field_name) value = fmt::format("{}", field);
+  });
+  return value;
+}
+
+std::vector<std::string> TrainOptions::Differences(const TrainOptions& other) const {
+  std::vector<std::string> names;
+  VisitFields(*this, [&](const char* name, const auto&, bool changes_result) {
+    if (changes_result && Get(name) != other.Get(name)) names.emplace_back(name);
+  });
+  return names;
+}
+
+std::string PresetNames() { return "paper, paper+c, plus"; }
+
+TrainOptions PresetOptions(const std::string& preset) {
+  TrainOptions options;
+  options.preset = preset;
+  options.min_steps = 1500;
+  if (preset == "paper") return options;
+  options.camera_consistency = "static";
+  if (preset == "paper+c") return options;
+  options.perspective = "learned";
+  if (preset == "plus") return options;
+  ThrowUsage("--preset: expected one of {}, found \"{}\"", PresetNames(), preset);
+}
+
+}  // namespace canonpose

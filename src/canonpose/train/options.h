@@ -1,0 +1,57 @@
+// Every option of training in one plain struct; one list of fields drives the command line, the JSON record and the checkpoint.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace canonpose {
+
+struct TrainOptions {
+  std::string preset = "plus";  ///< what the others were set by: paper, paper+c, plus
+  int epochs = 0;               ///< 0: `default_epochs`, more where `min_steps` asks for it
+  int default_epochs = 100;
+  int min_steps = 0;                        ///< a small recording is gone through more often until this many steps are taken
+  int width = 1024;                         ///< of the lifter's layers
+  int batch_frames = 32;                    ///< frames a step, each with all its views
+  double learning_rate = 1e-4;              ///< x 0.1 after 30, 60 and 90 % of the epochs
+  double weight_decay = 1e-5;               ///< L2, added to the gradient
+  double view_weight = 1.0;                 ///< weight of view consistency
+  double camera_weight = 0.1;               ///< weight of camera consistency
+  std::string camera_consistency = "off";   ///< off; static: for captures whose cameras stand still
+  std::string perspective = "off";          ///< off: weak perspective as published; learned: one factor k, learned
+  double perspective_warmup = 0.3;          ///< share of the steps before k is set free
+  double perspective_learning_rate = 0.01;  ///< of k alone
+  std::string mirror = "auto";              ///< auto: by the perspective slope; keep, flip: by request
+  double validation = 0.1;                  ///< share of each sequence's frames held out, at its end
+  std::uint64_t seed = 0;
+  int threads = 0;  ///< 0: as many as LibTorch chooses
+  std::string device = "cpu";
+  double checkpoint_seconds = 30.0;  ///< time between checkpoints; the result does not depend on it
+
+  /// Throws Error(kUsage) naming the first option that is out of range.
+  void Validate() const;
+
+  /// "learning_rate=0.0001" ... in the order of the fields.
+  [[nodiscard]] std::string ToJson() const;
+  static TrainOptions FromJson(const std::string& json);
+
+  /// Sets one field by name. Throws Error(kUsage) for an unknown name (listing the known ones) or a value that does not parse.
+  void Set(const std::string& name, const std::string& value);
+
+  /// The names of the fields in which `other` differs, except those that do not change the result (device, checkpoint_seconds, threads).
+  [[nodiscard]] std::vector<std::string> Differences(const TrainOptions& other) const;
+  [[nodiscard]] std::string Get(const std::string& name) const;
+};
+
+/// The options of a preset. Throws Error(kUsage) for an unknown name.
+///
+///   paper    the method as published, without camera consistency; the mirror is decided once, at the end
+///   paper+c  paper with camera consistency
+///   plus     paper+c where cameras are static, with the learned perspective factor
+TrainOptions PresetOptions(const std::string& preset);
+
+/// "paper, paper+c, plus"
+std::string PresetNames();
+
+}  // namespace canonpose

@@ -1,0 +1,450 @@
+#include "canonpose/train/trainer.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/error.h"
+#include "canonpose/base/interrupt.h"
+#include "canonpose/base/log.h"
+#include "canonpose/base/progress.h"
+#include "canonpose/base/version.h"
+#include "canonpose/model/runtime.h"
+#include "canonpose/model/tensors.h"
+#include "canonpose/train/adam.h"
+#include "canonpose/train/checkpoint.h"
+#include "canonpose/train/losses.h"
+#include "canonpose/train/mirror.h"
+#include "canonpose/train/training_set.h"
+
+namespace canonpose {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// What a generator is for, as its first stream number.
+enum Stream : std::uint64_t { kInitialisation = 1, kFrameOrder = 2, kPermutations = 3 };
+
+constexpr const char* kPerspectiveName = "perspective";
+
+/// x 0.1 after 30, 60 and 90 % of the epochs.
+double LearningRateFactor(int epoch, int epochs) {
+  double factor = 1.0;
+  for (const double milestone : {0.3, 0.6, 0.9}) {
+    if (epoch >= milestone * epochs) factor *= 0.1;
+  }
+  return factor;
+}
+
+/// The state of a run and the steps of its life; Train() below is the plot.
+class TrainingRun {
+ public:
+  TrainingRun(const TrainJob& job, TrainingSplit split);
+
+  void Restore(const Checkpoint& checkpoint);
+  void Save();
+  /// Trains until the end or a signal; returns the signal.
+  int Run();
+  TrainReport Finish();
+
+ private:
+  [[nodiscard]] bool wants_perspective() const { return options_.perspective == "learned"; }
+  [[nodiscard]] std::int64_t warmup_steps() const {
+    return static_cast<std::int64_t>(options_.perspective_warmup * static_cast<double>(schedule_.steps()));
+  }
+  [[nodiscard]] int epoch() const { return static_cast<int>(step_ / schedule_.steps_per_epoch); }
+  /// The factor as the losses take it; undefined while projection is weak perspective.
+  [[nodiscard]] torch::Tensor PerspectiveInLosses() const { return perspective_is_free_ ? perspective_ : torch::Tensor(); }
+
+  std::vector<const TrainingFrame*> NextBatch();
+  void TakeStep();
+  void StopAtBadLoss(double loss);
+  void EndEpoch();
+  std::optional<double> ValidationLoss();
+  void DecideMirror(bool final_decision);
+  void Mirror();
+  void FreePerspectiveIfDecided();
+  [[nodiscard]] Checkpoint MakeCheckpoint() const;
+  [[nodiscard]] fs::path File(const char* name) const { return run_folder_ / name; }
+
+  TrainOptions options_;
+  fs::path run_folder_;
+  TrainingSplit split_;
+  Schedule schedule_;
+  int root_;
+  torch::Device device_;
+  Lifter lifter_;
+  torch::Tensor perspective_;
+  Adam adam_;
+  Adam perspective_adam_;
+  bool perspective_is_free_ = false;
+  ModelInfo info_;
+  EpochSums sums_;
+  std::int64_t step_ = 0;
+  int order_epoch_ = -1;
+  std::vector<std::size_t> order_;
+  std::chrono::steady_clock::time_point epoch_start_ = std::chrono::steady_clock::now();
+};
+
+std::vector<std::pair<std::string, torch::Tensor>> NamedParameters(const Lifter& lifter) {
+  std::vector<std::pair<std::string, torch::Tensor>> parameters;
+  for (const auto& item : lifter->named_parameters()) parameters.emplace_back(item.key(), item.value());
+  return parameters;
+}
+
+Lifter NewLifter(int joints, const TrainOptions& options, torch::Device device) {
+  Lifter lifter(joints, options.width);
+  lifter->Initialise(Rng(options.seed, {kInitialisation}).Bits());
+  lifter->to(device);
+  return lifter;
+}
+
+TrainingRun::TrainingRun(const TrainJob& job, TrainingSplit split)
+    : options_(job.options),
+      run_folder_(job.run_folder),
+      split_(std::move(split)),
+      schedule_(MakeSchedule(options_, split_.training.frames.size())),
+      root_(job.datasets.front().skeleton.root),
+      device_(options_.device == "cuda" ? torch::kCUDA : torch::kCPU),
+      lifter_(NewLifter(split_.training.joint_count, options_, device_)),
+      perspective_(torch::zeros({}, torch::TensorOptions(device_)).requires_grad_()),
+      adam_(NamedParameters(lifter_), options_.weight_decay),
+      perspective_adam_({{kPerspectiveName, perspective_}}, 0.0) {
+  info_.program_version = ProgramVersion();
+  info_.skeleton = job.datasets.front().skeleton;
+  info_.source = job.datasets.front().source;
+  info_.width = options_.width;
+  info_.preset = options_.preset;
+  info_.options = options_.ToJson();
+  info_.seed = options_.seed;
+  info_.data_files = job.data_files;
+  for (const Dataset& dataset : job.datasets) info_.data_fingerprints.push_back(fmt::format("{:016x}", dataset.Fingerprint()));
+}
+
+Checkpoint TrainingRun::MakeCheckpoint() const {
+  Checkpoint checkpoint{info_, sums_, perspective_adam_.step_count(), {}, {}, {}};
+  checkpoint.info.steps = step_;
+  checkpoint.info.perspective = perspective_.item<double>();
+  for (const Adam* adam : {&adam_, &perspective_adam_}) {
+    for (const Adam::Parameter& parameter : adam->parameters()) {
+      checkpoint.parameters[parameter.name] = ToArray(parameter.value);
+      checkpoint.first_moments[parameter.name] = ToArray(parameter.first_moment);
+      checkpoint.second_moments[parameter.name] = ToArray(parameter.second_moment);
+    }
+  }
+  return checkpoint;
+}
+
+void TrainingRun::Save() { WriteCheckpoint(File("checkpoint.h5"), MakeCheckpoint()); }
+
+void TrainingRun::Restore(const Checkpoint& checkpoint) {
+  const torch::NoGradGuard no_grad;
+  const std::string file = File("checkpoint.h5").string();
+  if (checkpoint.info.data_fingerprints != info_.data_fingerprints) {
+    ThrowBadInput({file, "data fingerprints", fmt::format("{}", fmt::join(checkpoint.info.data_fingerprints, " ")),
+                   fmt::format("{}", fmt::join(info_.data_fingerprints, " ")),
+                   "resume with the data the run was started with, or train into another folder"});
+  }
+  LoadParameters(lifter_, checkpoint.parameters, file);
+  for (Adam* adam : {&adam_, &perspective_adam_}) {
+    for (Adam::Parameter& parameter : adam->parameters()) {
+      const auto restore = [&](const NamedArrays& arrays, torch::Tensor& tensor) {
+        const auto found = arrays.find(parameter.name);
+        if (found == arrays.end() || static_cast<std::int64_t>(found->second.values.size()) != tensor.numel()) {
+          ThrowBadInput({file, parameter.name, "the optimiser's state", "none that fits", "the file is damaged: train again"});
+        }
+        tensor.copy_(ToTensor(found->second).view(tensor.sizes()));
+      };
+      restore(checkpoint.parameters, parameter.value);
+      restore(checkpoint.first_moments, parameter.first_moment);
+      restore(checkpoint.second_moments, parameter.second_moment);
+    }
+  }
+  step_ = checkpoint.info.steps;
+  adam_.set_step_count(step_);
+  perspective_adam_.set_step_count(checkpoint.perspective_steps);
+  info_.mirror = checkpoint.info.mirror;
+  sums_ = checkpoint.sums;
+  if (step_ > warmup_steps()) FreePerspectiveIfDecided();
+}
+
+std::vector<const TrainingFrame*> TrainingRun::NextBatch() {
+  if (order_epoch_ != epoch()) {
+    order_epoch_ = epoch();
+    order_ = Rng(options_.seed, {kFrameOrder, static_cast<std::uint64_t>(order_epoch_)}).Permutation(split_.training.frames.size());
+  }
+  const auto batch = static_cast<std::size_t>(options_.batch_frames);
+  const std::size_t first = static_cast<std::size_t>(step_ % schedule_.steps_per_epoch) * batch;
+  std::vector<const TrainingFrame*> frames;
+  for (std::size_t i = first; i < std::min(first + batch, order_.size()); ++i) {
+    frames.push_back(&split_.training.frames[order_[i]]);
+  }
+  return frames;
+}
+
+void TrainingRun::TakeStep() {
+  const std::vector<const TrainingFrame*> frames = NextBatch();
+  Rng permutations(options_.seed, {kPermutations, static_cast<std::uint64_t>(step_)});
+  const BatchPairs pairs = MakeBatchPairs(frames, split_.training.static_captures, options_.camera_consistency == "static",
+                                          [&](std::size_t count) { return permutations.Permutation(count); });
+  const BatchTensors batch = GatherBatch(split_.training, frames, device_);
+  const LossWeights weights{1.0, options_.view_weight, options_.camera_weight};
+  const Losses losses =
+      ComputeLosses(lifter_->forward(LifterInput(batch)), batch, pairs, weights, PerspectiveInLosses(), root_);
+  const double total = losses.total.item<double>();
+  if (!std::isfinite(total)) StopAtBadLoss(total);
+  losses.total.backward();
+
+  const double factor = LearningRateFactor(epoch(), schedule_.epochs);
+  adam_.Step(options_.learning_rate * factor);
+  if (perspective_is_free_) {
+    perspective_adam_.Step(options_.perspective_learning_rate);
+    // A negative factor belongs to the mirrored solution.
+    const torch::NoGradGuard no_grad;
+    perspective_.clamp_(0.0);
+  }
+  sums_.reprojection += losses.reprojection.item<double>();
+  sums_.view += losses.view.item<double>();
+  sums_.camera += losses.camera.item<double>();
+  sums_.total += total;
+  ++sums_.steps;
+  ++step_;
+}
+
+void TrainingRun::StopAtBadLoss(double loss) {
+  const fs::path checkpoint_path = File("checkpoint.h5");
+  Checkpoint last_good = ReadCheckpoint(checkpoint_path);
+  last_good.parameters.erase(kPerspectiveName);
+  WriteModelFile(File("model.cpm"), {last_good.info, last_good.parameters});
+  ThrowComputation(
+      "the loss became {} at step {} of {}; the last good model, of step {}, is in {}; try again with a smaller --set learning_rate",
+      loss, step_ + 1, schedule_.steps(), last_good.info.steps, File("model.cpm").string());
+}
+
+void TrainingRun::FreePerspectiveIfDecided() {
+  perspective_is_free_ = wants_perspective() && info_.mirror.decision != "undecided";
+}
+
+void TrainingRun::Mirror() {
+  lifter_->Mirror();
+  for (Adam::Parameter& parameter : adam_.parameters()) lifter_->MirrorRows(parameter.name, parameter.first_moment);
+}
+
+void TrainingRun::DecideMirror(bool final_decision) {
+  const PerspectiveSlope slope = MeasurePerspectiveSlope(lifter_, split_.training, root_, device_);
+  const bool decided_before = info_.mirror.decision != "undecided";
+  if (options_.mirror != "auto") {
+    if (!decided_before) {
+      if (options_.mirror == "flip") Mirror();
+      info_.mirror = {options_.mirror == "flip" ? "flipped by request" : "kept by request", slope.slope, slope.standard_error};
+      LogInfo("mirror: {}; perspective {}", info_.mirror.decision, slope.Describe());
+    }
+    return;
+  }
+  if (!slope.is_sure()) {
+    if (!decided_before) info_.mirror = {"undecided", slope.slope, slope.standard_error};
+    LogWarning(
+        "mirror: perspective is too weak to tell the pose from its depth mirror ({}, {:.1f} standard errors; {} are needed); look at "
+        "the poses and train again with --mirror keep or --mirror flip",
+        slope.Describe(), slope.sureness(), PerspectiveSlope::kSure);
+    return;
+  }
+  if (slope.is_mirrored()) Mirror();
+  if (!decided_before || slope.is_mirrored()) {
+    info_.mirror = {slope.is_mirrored() ? "flipped" : "kept", slope.slope, slope.standard_error};
+  }
+  LogInfo("mirror: {}{} ({}, {:.1f} standard errors; negative is right)", slope.is_mirrored() ? "flipped" : "kept",
+          final_decision ? ", after training" : "", slope.Describe(), slope.sureness());
+}
+
+std::optional<double> TrainingRun::ValidationLoss() {
+  const TrainingSet& set = split_.validation;
+  if (set.frames.empty()) return std::nullopt;
+  const torch::NoGradGuard no_grad;
+  constexpr std::size_t kChunk = 512;
+  double sum = 0.0;
+  for (std::size_t first = 0; first < set.frames.size(); first += kChunk) {
+    std::vector<const TrainingFrame*> frames;
+    for (std::size_t n = first; n < std::min(first + kChunk, set.frames.size()); ++n) frames.push_back(&set.frames[n]);
+    const BatchTensors batch = GatherBatch(set, frames, device_);
+    const BatchPairs pairs = MakeBatchPairs(frames, set.static_captures, false, nullptr);
+    const Losses losses = ComputeLosses(lifter_->forward(LifterInput(batch)), batch, pairs, {1.0, options_.view_weight, 0.0},
+                                        PerspectiveInLosses(), root_);
+    sum += losses.total.item<double>() * static_cast<double>(frames.size());
+  }
+  return sum / static_cast<double>(set.frames.size());
+}
+
+void TrainingRun::EndEpoch() {
+  const auto now = std::chrono::steady_clock::now();
+  const auto steps = static_cast<double>(std::max<std::int64_t>(1, sums_.steps));
+  Json line;
+  line["epoch"] = epoch();
+  line["step"] = step_;
+  line["learning_rate"] = options_.learning_rate * LearningRateFactor(epoch() - 1, schedule_.epochs);
+  line["loss"] = sums_.total / steps;
+  line["reprojection"] = sums_.reprojection / steps;
+  line["view"] = sums_.view / steps;
+  line["camera"] = sums_.camera / steps;
+  const std::optional<double> validation = ValidationLoss();
+  line["validation"] = validation ? Json(*validation) : Json(nullptr);
+  line["perspective"] = perspective_.item<double>();
+  line["seconds"] = std::chrono::duration<double>(now - epoch_start_).count();
+  AppendLine(File("metrics.jsonl"), line.dump());
+  LogToFileOnly(fmt::format("epoch {}/{}: loss {:.4f}, validation {:.4f}", epoch(), schedule_.epochs, sums_.total / steps,
+                            validation.value_or(NAN)));
+  epoch_start_ = now;
+  sums_ = {};
+}
+
+int TrainingRun::Run() {
+  using Clock = std::chrono::steady_clock;
+  const InterruptGuard interrupt;
+  Progress progress("step", schedule_.steps(), step_);
+  Clock::time_point last_save = Clock::now();
+  while (step_ < schedule_.steps()) {
+    if (wants_perspective() && step_ == warmup_steps()) {
+      DecideMirror(/*final_decision=*/false);
+      FreePerspectiveIfDecided();
+    }
+    TakeStep();
+    if (progress.IsDue()) {
+      const auto steps = static_cast<double>(sums_.steps);
+      progress.Update(step_, fmt::format("loss {:.3f} (reprojection {:.3f}, view {:.3f}, camera {:.3f})", sums_.total / steps,
+                                         sums_.reprojection / steps, sums_.view / steps, sums_.camera / steps));
+    }
+    if (step_ % schedule_.steps_per_epoch == 0) EndEpoch();
+    const bool is_due = std::chrono::duration<double>(Clock::now() - last_save).count() >= options_.checkpoint_seconds;
+    if (is_due || interrupt.signal() != 0 || step_ == schedule_.steps()) {
+      Save();
+      last_save = Clock::now();
+    }
+    if (interrupt.signal() != 0 && step_ < schedule_.steps()) return interrupt.signal();
+  }
+  return 0;
+}
+
+TrainReport TrainingRun::Finish() {
+  DecideMirror(/*final_decision=*/true);
+  TrainReport report;
+  report.validation_loss = ValidationLoss();
+  info_.steps = step_;
+  info_.perspective = perspective_.item<double>();
+  WriteModelFile(File("model.cpm"), {info_, ParametersOf(lifter_)});
+  report.model = info_;
+  return report;
+}
+
+/// Lines of epochs that lie after the checkpoint will be written again.
+void DropLaterMetrics(const fs::path& path, std::int64_t step) {
+  if (!fs::exists(path)) return;
+  std::istringstream lines(ReadFile(path));
+  std::string kept;
+  for (std::string line; std::getline(lines, line);) {
+    const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
+    if (json.is_object() && json.value("step", std::int64_t{0}) <= step && json.contains("step")) kept += line + "\n";
+  }
+  WriteFileAtomically(path, kept);
+}
+
+void DescribeStart(const TrainingSplit& split, const TrainOptions& options, const Schedule& schedule) {
+  const std::size_t moving = static_cast<std::size_t>(
+      std::count(split.training.static_captures.begin(), split.training.static_captures.end(), std::uint8_t{0}));
+  LogInfo("{} frames to train on, {} held out, {} left out (seen by fewer than two cameras)", split.training.frames.size(),
+          split.validation.frames.size(), split.frames_without_pairs);
+  LogInfo("preset {}, width {}, {} epochs of {} steps on {} ({} threads)", options.preset, options.width, schedule.epochs,
+          schedule.steps_per_epoch, options.device, ThreadCount());
+  if (options.epochs == 0 && schedule.epochs != options.default_epochs) {
+    LogInfo("a small recording: {} epochs in place of {}, so that {} steps are taken (--epochs overrides)", schedule.epochs,
+            options.default_epochs, schedule.steps());
+  }
+  if (options.camera_consistency == "static" && moving > 0) {
+    LogInfo("camera consistency is left out for {} of {} captures, whose cameras move", moving, split.training.static_captures.size());
+  }
+}
+
+/// Refuses to train over an earlier run, or clears it away where that is asked for.
+void PrepareFolder(const TrainJob& job) {
+  MakeDirectory(job.run_folder);
+  if (job.resume) return;
+  for (const char* name : {"model.cpm", "checkpoint.h5", "metrics.jsonl", "train.log"}) {
+    const fs::path path = job.run_folder / name;
+    if (!fs::exists(path)) continue;
+    if (!job.overwrite) {
+      ThrowUsage("{} holds a training run already; add --resume to go on with it, --overwrite to replace it, or choose another folder",
+                 job.run_folder.string());
+    }
+    fs::remove(path);
+  }
+}
+
+void CheckDatasets(const TrainJob& job) {
+  for (std::size_t i = 1; i < job.datasets.size(); ++i) {
+    if (job.datasets[i].skeleton.SameJoints(job.datasets[0].skeleton)) continue;
+    ThrowBadInput({job.data_files[i], "/skeleton", fmt::format("the joints of {}", job.data_files[0]),
+                   fmt::format("others ({})", fmt::join(job.datasets[i].skeleton.joints, ", ")),
+                   "import all data onto the same skeleton"});
+  }
+}
+
+}  // namespace
+
+Schedule MakeSchedule(const TrainOptions& options, std::size_t frames) {
+  Schedule schedule;
+  const auto batch = static_cast<std::int64_t>(options.batch_frames);
+  schedule.steps_per_epoch = (static_cast<std::int64_t>(frames) + batch - 1) / batch;
+  schedule.epochs = options.epochs;
+  if (schedule.epochs == 0) {
+    const std::int64_t needed = (options.min_steps + schedule.steps_per_epoch - 1) / schedule.steps_per_epoch;
+    schedule.epochs = static_cast<int>(std::max<std::int64_t>(options.default_epochs, needed));
+  }
+  return schedule;
+}
+
+std::optional<TrainOptions> RecordedOptions(const fs::path& run_folder) {
+  const fs::path path = run_folder / "checkpoint.h5";
+  if (!fs::exists(path)) return std::nullopt;
+  return TrainOptions::FromJson(ReadCheckpoint(path).info.options);
+}
+
+TrainReport Train(const TrainJob& job) {
+  const auto start = std::chrono::steady_clock::now();
+  job.options.Validate();
+  RequireDevice(job.options.device);
+  SetThreadCount(job.options.threads);
+  WarnAboutSlowLinearAlgebra();
+  CheckDatasets(job);
+  TrainingSplit split = MakeTrainingSplit(job.datasets, job.options.validation);
+  PrepareFolder(job);
+  const LogFile log(job.run_folder / "train.log");
+  DescribeStart(split, job.options, MakeSchedule(job.options, split.training.frames.size()));
+
+  TrainingRun run(job, std::move(split));
+  const fs::path checkpoint_path = job.run_folder / "checkpoint.h5";
+  if (job.resume && fs::exists(checkpoint_path)) {
+    const Checkpoint checkpoint = ReadCheckpoint(checkpoint_path);
+    run.Restore(checkpoint);
+    DropLaterMetrics(job.run_folder / "metrics.jsonl", checkpoint.info.steps);
+    LogInfo("going on after step {}", checkpoint.info.steps);
+  } else {
+    run.Save();
+  }
+  TrainReport report;
+  const int signal = run.Run();
+  if (signal == 0) {
+    report = run.Finish();
+  } else {
+    report.interrupted_by = signal;
+  }
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return report;
+}
+
+}  // namespace canonpose

@@ -1,0 +1,95 @@
+#include "canonpose/train/training_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "canonpose/base/error.h"
+#include "canonpose/geometry/normalisation.h"
+
+namespace canonpose {
+namespace {
+
+/// Long enough that the residuals of neighbouring clips are nearly independent, short enough that a few seconds give several.
+constexpr int kClipFrames = 25;
+
+/// Numbers names in the order in which they come.
+class Numbering {
+ public:
+  int operator()(const std::string& name) {
+    return numbers_.try_emplace(name, static_cast<int>(numbers_.size())).first->second;
+  }
+
+ private:
+  std::map<std::string, int> numbers_;
+};
+
+class Builder {
+ public:
+  Builder(TrainingSplit& split, int root) : split_(split), root_(root) {}
+
+  void Add(const Sequence& sequence, const std::string& dataset_key, double validation_share) {
+    const int held_out = static_cast<int>(std::floor(validation_share * sequence.frame_count));
+    const int capture = captures_(dataset_key + "/" + sequence.capture);
+    Numbering& cameras = cameras_[capture];
+    split_.training.static_captures.resize(std::max<std::size_t>(split_.training.static_captures.size(), capture + 1), 1);
+    if (!sequence.static_cameras) split_.training.static_captures[static_cast<std::size_t>(capture)] = 0;
+    for (int t = 0; t < sequence.frame_count; ++t) {
+      TrainingSet& set = t < sequence.frame_count - held_out ? split_.training : split_.validation;
+      AddFrame(sequence, t, capture, cameras, set);
+    }
+    clip_base_ += sequence.frame_count / kClipFrames + 1;
+  }
+
+ private:
+  void AddFrame(const Sequence& sequence, int t, int capture, Numbering& cameras, TrainingSet& set) {
+    TrainingFrame frame{capture, clip_base_ + t / kClipFrames, {}};
+    const int joints = set.joint_count;
+    const std::size_t first_row = set.confidence.size() / static_cast<std::size_t>(joints);
+    for (const CameraView& view : sequence.cameras) {
+      const std::size_t offset = static_cast<std::size_t>(t) * static_cast<std::size_t>(joints);
+      if (!NormalisePose(&view.keypoints[2 * offset], &view.confidence[offset], joints, root_, pose_)) continue;
+      frame.views.push_back({cameras(view.name), static_cast<int>(first_row + frame.views.size())});
+      set.keypoints.insert(set.keypoints.end(), pose_.keypoints.begin(), pose_.keypoints.end());
+      set.confidence.insert(set.confidence.end(), pose_.confidence.begin(), pose_.confidence.end());
+    }
+    if (frame.views.size() >= 2) {
+      set.frames.push_back(std::move(frame));
+      return;
+    }
+    // One view has no other to be consistent with.
+    set.keypoints.resize(first_row * 2 * static_cast<std::size_t>(joints));
+    set.confidence.resize(first_row * static_cast<std::size_t>(joints));
+    ++split_.frames_without_pairs;
+  }
+
+  TrainingSplit& split_;
+  int root_;
+  int clip_base_ = 0;
+  Numbering captures_;
+  std::map<int, Numbering> cameras_;
+  NormalisedPose pose_;
+};
+
+}  // namespace
+
+TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double validation_share) {
+  CANONPOSE_CHECK(!datasets.empty());
+  TrainingSplit split;
+  const Skeleton& skeleton = datasets.front().skeleton;
+  split.training.joint_count = split.validation.joint_count = skeleton.joint_count();
+  Builder builder(split, skeleton.root);
+  for (std::size_t i = 0; i < datasets.size(); ++i) {
+    for (const Sequence& sequence : datasets[i].sequences) builder.Add(sequence, std::to_string(i), validation_share);
+  }
+  split.validation.static_captures = split.training.static_captures;
+  if (split.training.frames.empty()) {
+    ThrowComputation(
+        "no frame is seen by two cameras at once ({} frames are seen by one or none): check that the cameras are synchronised and "
+        "that the hips are detected",
+        split.frames_without_pairs);
+  }
+  return split;
+}
+
+}  // namespace canonpose

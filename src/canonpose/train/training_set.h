@@ -1,0 +1,46 @@
+// What training sees of datasets: every usable 2D pose, normalised, and which of them were taken at the same moment.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "canonpose/data/dataset.h"
+
+namespace canonpose {
+
+/// One camera's view in a frame.
+struct TrainingView {
+  int camera = 0;  ///< index into the cameras of the capture
+  int row = 0;     ///< index into TrainingSet::keypoints
+};
+
+/// One moment, seen by at least one camera.
+struct TrainingFrame {
+  int capture = 0;     ///< frames of one capture share their cameras
+  int clip = 0;        ///< consecutive frames of one sequence, the unit that statistics are averaged over
+  std::vector<TrainingView> views;
+};
+
+/// N poses of J joints.
+struct TrainingSet {
+  int joint_count = 0;
+  std::vector<float> keypoints;        ///< (N, 2J) planar, normalised (geometry/normalisation.h)
+  std::vector<float> confidence;       ///< (N, J)
+  std::vector<TrainingFrame> frames;
+  std::vector<std::uint8_t> static_captures;  ///< per capture: whether its cameras stand still
+
+  [[nodiscard]] int row_count() const { return joint_count == 0 ? 0 : static_cast<int>(confidence.size()) / joint_count; }
+};
+
+struct TrainingSplit {
+  TrainingSet training;
+  TrainingSet validation;
+  int frames_without_pairs = 0;  ///< frames seen by fewer than two cameras; left out
+};
+
+/// The frames of all datasets, the last `validation_share` of each sequence's frames held out. Sequences of one capture share
+/// their cameras by name. Throws Error(kComputation) where no frame is seen by two cameras.
+TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double validation_share);
+
+}  // namespace canonpose

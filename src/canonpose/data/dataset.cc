@@ -1,0 +1,127 @@
+#include "canonpose/data/dataset.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "canonpose/base/error.h"
+#include "canonpose/base/hash.h"
+
+namespace canonpose {
+namespace {
+
+bool AnyFinite(const std::vector<float>& values) {
+  return std::any_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
+}
+
+template <typename Predicate>
+bool AnyView(const Dataset& dataset, Predicate predicate) {
+  for (const Sequence& sequence : dataset.sequences) {
+    if (std::any_of(sequence.cameras.begin(), sequence.cameras.end(), predicate)) return true;
+  }
+  return false;
+}
+
+/// NaNs of other makers may have other bits; the fingerprint must not see that.
+void AddValues(Fingerprint& fingerprint, const std::vector<float>& values) {
+  for (const float value : values) {
+    const float canonical = std::isnan(value) ? std::numeric_limits<float>::quiet_NaN() : value;
+    fingerprint.Add(&canonical, sizeof(canonical));
+  }
+}
+
+void AddInts(Fingerprint& fingerprint, const std::vector<int>& values) {
+  fingerprint.Add(values.data(), values.size() * sizeof(int));
+}
+
+/// Keeps rows `first` to `last` of an array with one row a frame.
+template <typename T>
+void KeepRows(std::vector<T>& values, int frame_count, int first, int last) {
+  if (values.empty()) return;
+  const auto row = static_cast<std::ptrdiff_t>(values.size()) / frame_count;
+  values.erase(values.begin() + (last + 1) * row, values.end());
+  values.erase(values.begin(), values.begin() + first * row);
+}
+
+std::optional<int> ParseFrame(std::string_view text) {
+  int frame = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), frame);
+  if (error != std::errc() || end != text.data() + text.size() || frame < 0) return std::nullopt;
+  return frame;
+}
+
+}  // namespace
+
+bool Dataset::HasTruth() const {
+  return AnyView(*this, [](const CameraView& view) { return AnyFinite(view.truth); });
+}
+
+bool Dataset::HasSolved() const {
+  return AnyView(*this, [](const CameraView& view) { return AnyFinite(view.solved); });
+}
+
+bool Dataset::HasCalibration() const {
+  return AnyView(*this, [](const CameraView& view) { return !view.calibration.empty(); });
+}
+
+std::uint64_t Dataset::Fingerprint() const {
+  canonpose::Fingerprint fingerprint;
+  for (const std::string& joint : skeleton.joints) fingerprint.Add(joint);
+  AddInts(fingerprint, skeleton.parents);
+  AddInts(fingerprint, skeleton.mirror);
+  AddInts(fingerprint, {skeleton.root});
+  for (const Sequence& sequence : sequences) {
+    fingerprint.Add(sequence.capture);
+    AddInts(fingerprint, {sequence.frame_count, sequence.static_cameras ? 1 : 0});
+    for (const CameraView& view : sequence.cameras) {
+      AddInts(fingerprint, {view.image_size[0], view.image_size[1]});
+      AddValues(fingerprint, view.keypoints);
+      AddValues(fingerprint, view.confidence);
+    }
+  }
+  return fingerprint.value();
+}
+
+FrameRange FrameRange::Parse(const std::string& text) {
+  const std::size_t dash = text.find('-');
+  const std::optional<int> first = ParseFrame(text.substr(0, dash));
+  std::optional<int> last = first;
+  if (dash != std::string::npos) {
+    last = dash + 1 == text.size() ? std::optional<int>(INT32_MAX) : ParseFrame(text.substr(dash + 1));
+  }
+  if (!first || !last || *last < *first) {
+    ThrowUsage("frames are given as A-B, A- or A, counted from 0, the last not before the first; found '{}'", text);
+  }
+  return {*first, *last};
+}
+
+void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& file) {
+  int longest = 0;
+  for (Sequence& sequence : dataset.sequences) {
+    longest = std::max(longest, sequence.frame_count);
+    const int last = std::min(range.last, sequence.frame_count - 1);
+    if (range.first > last) {
+      sequence.frame_count = 0;
+      continue;
+    }
+    for (CameraView& view : sequence.cameras) {
+      KeepRows(view.keypoints, sequence.frame_count, range.first, last);
+      KeepRows(view.confidence, sequence.frame_count, range.first, last);
+      KeepRows(view.truth, sequence.frame_count, range.first, last);
+      KeepRows(view.solved, sequence.frame_count, range.first, last);
+      if (view.calibration.size() > 1) KeepRows(view.calibration, sequence.frame_count, range.first, last);
+    }
+    sequence.frame_count = last - range.first + 1;
+  }
+  std::erase_if(dataset.sequences, [](const Sequence& sequence) { return sequence.frame_count == 0; });
+  if (dataset.sequences.empty()) {
+    ThrowBadInput({file, "", fmt::format("frames from {} on", range.first),
+                   fmt::format("sequences of {} frames at most", longest), "choose frames that are there"});
+  }
+}
+
+}  // namespace canonpose

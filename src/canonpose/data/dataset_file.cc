@@ -1,0 +1,408 @@
+// The dataset file: groups, attributes and arrays as README.md lays them out.
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include <Eigen/LU>
+#include <fmt/format.h>
+
+#include "canonpose/base/error.h"
+#include "canonpose/base/hdf5.h"
+#include "canonpose/data/dataset.h"
+#include "canonpose/data/skeleton_file.h"
+
+namespace canonpose {
+namespace {
+
+constexpr const char* kFormat = "canonpose-dataset";
+constexpr std::int64_t kVersion = 1;
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+/// Where in which file the values that are being checked stand, for messages.
+struct Place {
+  std::string file;
+  std::string group;
+  const Skeleton* skeleton;
+
+  [[noreturn]] void Fail(const std::string& array, std::size_t frame, std::size_t joint, const std::string& expected,
+                         float found, const std::string& advice) const {
+    ThrowBadInput({file, fmt::format("{}/{}, frame {}, joint {}", group, array, frame, skeleton->joints[joint]),
+                   expected, fmt::format("{}", found), advice});
+  }
+};
+
+/// Checks keypoints and confidences; a joint that one of them calls missing becomes missing in both.
+void CheckKeypoints(CameraView& view, const Place& place) {
+  const std::size_t joints = place.skeleton->joints.size();
+  for (std::size_t i = 0; i < view.confidence.size(); ++i) {
+    float* pixel = &view.keypoints[2 * i];
+    float& confidence = view.confidence[i];
+    for (int axis = 0; axis < 2; ++axis) {
+      if (std::isinf(pixel[axis])) {
+        place.Fail("keypoints", i / joints, i % joints, "a pixel, or NaN where not detected", pixel[axis],
+                   "write NaN and confidence 0 where a joint was not detected");
+      }
+    }
+    if (!(confidence >= 0.0F && confidence <= 1.0F)) {
+      place.Fail("confidence", i / joints, i % joints, "a number from 0 to 1", confidence,
+                 "divide by the detector's largest possible confidence, and write 0 where not detected");
+    }
+    if (confidence == 0.0F || std::isnan(pixel[0]) || std::isnan(pixel[1])) {
+      pixel[0] = pixel[1] = kNaN;
+      confidence = 0.0F;
+    }
+  }
+}
+
+/// Checks 3D poses; a joint with one unknown coordinate becomes unknown in all three.
+void CheckPoses(std::vector<float>& poses, const std::string& array, const Place& place) {
+  const std::size_t joints = place.skeleton->joints.size();
+  for (std::size_t i = 0; 3 * i < poses.size(); ++i) {
+    bool unknown = false;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float value = poses[3 * i + axis];
+      if (std::isinf(value)) {
+        place.Fail(array, i / joints, i % joints, "a coordinate, or NaN where unknown", value,
+                   "write NaN where unknown");
+      }
+      unknown |= std::isnan(value);
+    }
+    if (unknown) std::fill_n(&poses[3 * i], 3, kNaN);
+  }
+}
+
+// --------------------------------------------------------------------------------------------------------- reading
+
+std::vector<float> ReadArray(const h5::Group& group, const std::string& name, const std::vector<std::size_t>& shape,
+                             const std::string& meaning) {
+  const std::vector<std::size_t> found = group.Shape(name);
+  if (found != shape) {
+    group.Fail(name, fmt::format("shape {} = {}", h5::FormatShape(shape), meaning), h5::FormatShape(found), "");
+  }
+  return group.Read<float>(name).values;
+}
+
+/// One matrix or T of them, each of `size` values; `tail` is the shape of one.
+std::vector<double> ReadCalibrationArray(const h5::Group& group, const std::string& name,
+                                         const std::vector<std::size_t>& tail, int frame_count, std::size_t* rows) {
+  h5::Array<double> array = group.Read<double>(name);
+  std::vector<std::size_t> moving = tail;
+  moving.insert(moving.begin(), static_cast<std::size_t>(frame_count));
+  if (array.shape != tail && array.shape != moving) {
+    group.Fail(name, fmt::format("shape {} or {}", h5::FormatShape(tail), h5::FormatShape(moving)),
+               h5::FormatShape(array.shape), "");
+  }
+  for (const double value : array.values) {
+    if (!std::isfinite(value)) group.Fail(name, "finite numbers", fmt::format("{}", value), "");
+  }
+  *rows = array.shape == tail ? 1 : moving.front();
+  return std::move(array.values);
+}
+
+void CheckCamera(const h5::Group& group, const Camera& camera) {
+  const Eigen::Matrix3d& K = camera.K;
+  if (!(K(0, 0) > 0.0) || !(K(1, 1) > 0.0) || K(2, 2) != 1.0 || K(1, 0) != 0.0 || K(2, 0) != 0.0 || K(2, 1) != 0.0) {
+    group.Fail("K", "[[fx, s, cx], [0, fy, cy], [0, 0, 1]] with positive focal lengths in pixels", "something else",
+               "");
+  }
+  constexpr double kTolerance = 1e-3;
+  const Eigen::Matrix3d& R = camera.camera_from_world_rotation;
+  const double error = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (error > kTolerance || R.determinant() < 0.0) {
+    group.Fail(
+        "R", "a rotation matrix, x_camera = R * x_world + t",
+        error > kTolerance ? fmt::format("rows that are not orthonormal (off by {:.2g})", error) : "a reflection", "");
+  }
+}
+
+std::vector<Camera> ReadCalibration(const h5::Group& group, int frame_count) {
+  const bool any = group.Has("K") || group.Has("R") || group.Has("t") || group.Has("distortion");
+  if (!any) return {};
+  for (const char* name : {"K", "R", "t"}) {
+    if (!group.Has(name)) group.Fail(name, "K, R and t together", "nothing", "write all of the calibration or none");
+  }
+  std::size_t k_rows = 1;
+  std::size_t r_rows = 1;
+  std::size_t t_rows = 1;
+  std::size_t distortion_rows = 1;
+  const std::vector<double> K = ReadCalibrationArray(group, "K", {3, 3}, frame_count, &k_rows);
+  const std::vector<double> R = ReadCalibrationArray(group, "R", {3, 3}, frame_count, &r_rows);
+  const std::vector<double> t = ReadCalibrationArray(group, "t", {3}, frame_count, &t_rows);
+  std::vector<double> distortion(4, 0.0);
+  if (group.Has("distortion")) {
+    distortion = ReadCalibrationArray(group, "distortion", {4}, frame_count, &distortion_rows);
+  }
+  using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  std::vector<Camera> cameras(std::max({k_rows, r_rows, t_rows, distortion_rows}));
+  const auto row = [](std::size_t rows, std::size_t i) { return rows == 1 ? 0 : i; };
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    cameras[i].K = Eigen::Map<const RowMajor>(&K[9 * row(k_rows, i)]);
+    cameras[i].camera_from_world_rotation = Eigen::Map<const RowMajor>(&R[9 * row(r_rows, i)]);
+    cameras[i].camera_from_world_translation_mm = Eigen::Map<const Eigen::Vector3d>(&t[3 * row(t_rows, i)]);
+    std::copy_n(&distortion[4 * row(distortion_rows, i)], 4, cameras[i].distortion.begin());
+    CheckCamera(group, cameras[i]);
+  }
+  return cameras;
+}
+
+/// frame_count is that of the cameras before, -1 for the first.
+CameraView ReadCamera(const h5::Group& group, const std::string& name, const Skeleton& skeleton, int* frame_count) {
+  CameraView view;
+  view.name = name;
+  const std::vector<std::int64_t> size = group.GetInts("image_size");
+  if (size.size() != 2 || size[0] <= 0 || size[1] <= 0 || size[0] > INT32_MAX || size[1] > INT32_MAX) {
+    group.Fail("attribute image_size", "width and height in pixels, both positive",
+               size.size() == 2 ? fmt::format("{} and {}", size[0], size[1]) : fmt::format("{} numbers", size.size()),
+               "");
+  }
+  view.image_size = {static_cast<int>(size[0]), static_cast<int>(size[1])};
+
+  const std::vector<std::size_t> shape = group.Shape("keypoints");
+  const std::size_t joints = skeleton.joints.size();
+  if (shape.size() != 3 || shape[0] == 0 || shape[0] > INT32_MAX || shape[1] != joints || shape[2] != 2) {
+    group.Fail("keypoints", fmt::format("shape (T, {}, 2) = frames, joints of /skeleton, x and y", joints),
+               h5::FormatShape(shape), "");
+  }
+  const auto frames = static_cast<int>(shape[0]);
+  if (*frame_count >= 0 && frames != *frame_count) {
+    group.Fail("keypoints", fmt::format("{} frames as in the cameras before it", *frame_count),
+               fmt::format("{}", frames),
+               "cameras of a sequence are synchronised: cut them to the same frames, NaN where one saw nothing");
+  }
+  *frame_count = frames;
+  view.keypoints = ReadArray(group, "keypoints", shape, "");
+  view.confidence = ReadArray(group, "confidence", {shape[0], joints}, "frames, joints");
+  const std::vector<std::size_t> pose_shape = {shape[0], joints, 3};
+  const Place place{group.file(), group.path(), &skeleton};
+  CheckKeypoints(view, place);
+  for (auto& [array, values] : {std::pair("truth", &view.truth), std::pair("solved", &view.solved)}) {
+    if (!group.Has(array)) continue;
+    *values = ReadArray(group, array, pose_shape, "frames, joints, x y z");
+    CheckPoses(*values, array, place);
+  }
+  view.calibration = ReadCalibration(group, frames);
+  return view;
+}
+
+std::string DefaultCapture(const Sequence& sequence) {
+  return sequence.static_cameras && !sequence.subject.empty() ? sequence.subject : sequence.name;
+}
+
+Sequence ReadSequence(const h5::Group& group, const std::string& name, const Skeleton& skeleton) {
+  Sequence sequence;
+  sequence.name = name;
+  sequence.subject = group.GetString("subject");
+  if (group.HasAttribute("fps")) sequence.fps = group.GetDouble("fps");
+  if (!std::isfinite(sequence.fps) || sequence.fps < 0.0) {
+    group.Fail("attribute fps", "frames a second, 0 where unknown", fmt::format("{}", sequence.fps), "");
+  }
+  const std::int64_t is_static = group.GetInt("static_cameras");
+  if (is_static != 0 && is_static != 1) {
+    group.Fail("attribute static_cameras", "1 where the cameras stand still, otherwise 0", fmt::format("{}", is_static),
+               "");
+  }
+  sequence.static_cameras = is_static == 1;
+  if (group.HasAttribute("capture")) sequence.capture = group.GetString("capture");
+  if (sequence.capture.empty()) sequence.capture = DefaultCapture(sequence);
+
+  const h5::Group cameras = group.Open("cameras");
+  int frame_count = -1;
+  for (const std::string& camera : cameras.Children()) {
+    sequence.cameras.push_back(ReadCamera(cameras.Open(camera), camera, skeleton, &frame_count));
+  }
+  if (sequence.cameras.empty()) group.Fail("cameras", "at least one camera", "none", "");
+  sequence.frame_count = frame_count;
+  return sequence;
+}
+
+void CheckFormat(const h5::Group& root) {
+  const std::string advice = "make a dataset with `canonpose import`, or write one as README.md describes";
+  if (!root.HasAttribute("format")) {
+    root.Fail("attribute format", fmt::format("\"{}\"", kFormat), "nothing", advice);
+  }
+  const std::string format = root.GetString("format");
+  if (format != kFormat) root.Fail("attribute format", fmt::format("\"{}\"", kFormat), '"' + format + '"', advice);
+  const std::int64_t version = root.GetInt("version");
+  if (version != kVersion) {
+    root.Fail("attribute version", fmt::format("{}", kVersion), fmt::format("{}", version),
+              version > kVersion ? "the file is of a newer canonpose: update this one, or make the file again with it"
+                                 : "make the file again");
+  }
+}
+
+DatasetSource ReadSource(const h5::Group& root, const h5::Group& skeleton_group, const Skeleton& skeleton) {
+  DatasetSource source;
+  if (root.HasAttribute("source_format")) source.format = root.GetString("source_format");
+  if (root.HasAttribute("source_layout")) source.layout = root.GetString("source_layout");
+  if (root.HasAttribute("confidence_scale")) source.confidence_scale = root.GetDouble("confidence_scale");
+  if (!(source.confidence_scale > 0.0) || !std::isfinite(source.confidence_scale)) {
+    root.Fail("attribute confidence_scale", "a positive number", fmt::format("{}", source.confidence_scale), "");
+  }
+  if (skeleton_group.HasAttribute("mapping")) {
+    source.mapping = skeleton_group.GetStrings("mapping");
+    if (source.mapping.size() != skeleton.joints.size()) {
+      skeleton_group.Fail("attribute mapping", fmt::format("{} texts, one a joint", skeleton.joints.size()),
+                          fmt::format("{}", source.mapping.size()), "");
+    }
+  }
+  return source;
+}
+
+// --------------------------------------------------------------------------------------------------------- writing
+
+template <typename T>
+void Write(h5::Group& group, const std::string& name, const std::vector<T>& values,
+           const std::vector<std::size_t>& shape) {
+  group.Write<T>(name, std::span<const T>(values), shape);
+}
+
+/// The shape of one value a frame, or of a single one where all frames share it.
+std::vector<std::size_t> WithRows(std::size_t rows, std::vector<std::size_t> tail) {
+  if (rows > 1) tail.insert(tail.begin(), rows);
+  return tail;
+}
+
+void WriteCalibration(h5::Group& group, const std::vector<Camera>& cameras) {
+  if (cameras.empty()) return;
+  std::vector<double> K;
+  std::vector<double> R;
+  std::vector<double> t;
+  std::vector<double> distortion;
+  bool same_lens = true;
+  for (const Camera& camera : cameras) {
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 3; ++c) {
+        K.push_back(camera.K(r, c));
+        R.push_back(camera.camera_from_world_rotation(r, c));
+      }
+      t.push_back(camera.camera_from_world_translation_mm[r]);
+    }
+    distortion.insert(distortion.end(), camera.distortion.begin(), camera.distortion.end());
+    same_lens &= camera.K == cameras.front().K && camera.distortion == cameras.front().distortion;
+  }
+  const std::size_t lens_rows = same_lens ? 1 : cameras.size();
+  K.resize(9 * lens_rows);
+  distortion.resize(4 * lens_rows);
+  Write(group, "K", K, WithRows(lens_rows, {3, 3}));
+  Write(group, "R", R, WithRows(cameras.size(), {3, 3}));
+  Write(group, "t", t, WithRows(cameras.size(), {3}));
+  Write(group, "distortion", distortion, WithRows(lens_rows, {4}));
+}
+
+/// Names become groups of the file, so some cannot be used.
+void CheckName(const std::filesystem::path& path, const std::string& name, const std::string& what) {
+  if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos) {
+    ThrowBadInput(
+        {path.string(), "", fmt::format("a name for the {} without '/'", what), '"' + name + '"', "rename it"});
+  }
+}
+
+}  // namespace
+
+Dataset ReadDataset(const std::filesystem::path& path) {
+  h5::File file = h5::File::OpenForReading(path);
+  const h5::Group& root = file.root();
+  CheckFormat(root);
+  Dataset dataset;
+  const h5::Group skeleton_group = root.Open("skeleton");
+  dataset.skeleton = ReadSkeleton(skeleton_group);
+  dataset.source = ReadSource(root, skeleton_group, dataset.skeleton);
+  const h5::Group sequences = root.Open("sequences");
+  for (const std::string& name : sequences.Children()) {
+    dataset.sequences.push_back(ReadSequence(sequences.Open(name), name, dataset.skeleton));
+  }
+  if (dataset.sequences.empty()) root.Fail("sequences", "at least one sequence", "none", "");
+  return dataset;
+}
+
+bool IsDatasetFile(const std::filesystem::path& path) {
+  if (!h5::File::IsHdf5(path)) return false;
+  h5::File file = h5::File::OpenForReading(path);
+  if (!file.root().HasAttribute("format")) return false;
+  try {
+    return file.root().GetString("format") == kFormat;
+  } catch (const Error&) {
+    return false;  // an attribute of that name which is no text belongs to someone else's format
+  }
+}
+
+struct DatasetWriter::State {
+  std::filesystem::path path;
+  Skeleton skeleton;
+  h5::File file;
+  h5::Group sequences;
+};
+
+DatasetWriter::DatasetWriter(const std::filesystem::path& path, const Skeleton& skeleton, const DatasetSource& source) {
+  CANONPOSE_CHECK(skeleton.Problem().empty(), "{}", skeleton.Problem());
+  CANONPOSE_CHECK(source.mapping.empty() || source.mapping.size() == skeleton.joints.size(),
+                  "{} mappings for {} joints", source.mapping.size(), skeleton.joints.size());
+  h5::File file = h5::File::CreateAt(path);
+  file.root().SetString("format", kFormat);
+  file.root().SetInt("version", kVersion);
+  if (!source.format.empty()) file.root().SetString("source_format", source.format);
+  if (!source.layout.empty()) file.root().SetString("source_layout", source.layout);
+  file.root().SetDouble("confidence_scale", source.confidence_scale);
+  h5::Group skeleton_group = file.root().Create("skeleton");
+  WriteSkeleton(skeleton_group, skeleton);
+  if (!source.mapping.empty()) skeleton_group.SetStrings("mapping", source.mapping);
+  h5::Group sequences = file.root().Create("sequences");
+  state_ = std::make_unique<State>(State{path, skeleton, std::move(file), std::move(sequences)});
+}
+
+DatasetWriter::~DatasetWriter() = default;
+
+void DatasetWriter::Add(const Sequence& sequence) {
+  CANONPOSE_CHECK(state_ != nullptr, "the file is committed already");
+  CheckName(state_->path, sequence.name, "sequence");
+  if (state_->sequences.Has(sequence.name)) {
+    ThrowBadInput({state_->path.string(), "", "sequences of different names",
+                   fmt::format("two called {}", sequence.name), "rename one"});
+  }
+  h5::Group group = state_->sequences.Create(sequence.name);
+  group.SetString("subject", sequence.subject);
+  group.SetDouble("fps", sequence.fps);
+  group.SetInt("static_cameras", sequence.static_cameras ? 1 : 0);
+  group.SetString("capture", sequence.capture.empty() ? DefaultCapture(sequence) : sequence.capture);
+  h5::Group cameras = group.Create("cameras");
+
+  const auto frames = static_cast<std::size_t>(sequence.frame_count);
+  const std::size_t joints = state_->skeleton.joints.size();
+  for (CameraView view : sequence.cameras) {
+    CheckName(state_->path, view.name, "camera");
+    CANONPOSE_CHECK(view.keypoints.size() == frames * joints * 2 && view.confidence.size() == frames * joints,
+                    "{} and {} values for {} frames", view.keypoints.size(), view.confidence.size(), frames);
+    CANONPOSE_CHECK(view.calibration.size() <= 1 || view.calibration.size() == frames, "{} cameras for {} frames",
+                    view.calibration.size(), frames);
+    h5::Group camera = cameras.Create(view.name);
+    const Place place{state_->path.string(), camera.path(), &state_->skeleton};
+    CheckKeypoints(view, place);
+    camera.SetInts("image_size", {view.image_size[0], view.image_size[1]});
+    Write(camera, "keypoints", view.keypoints, {frames, joints, 2});
+    Write(camera, "confidence", view.confidence, {frames, joints});
+    for (const auto& [array, values] : {std::pair("truth", &view.truth), std::pair("solved", &view.solved)}) {
+      if (values->empty()) continue;
+      CANONPOSE_CHECK(values->size() == frames * joints * 3, "{} values for {} frames", values->size(), frames);
+      CheckPoses(*values, array, place);
+      Write(camera, array, *values, {frames, joints, 3});
+    }
+    WriteCalibration(camera, view.calibration);
+  }
+}
+
+void DatasetWriter::Commit() {
+  CANONPOSE_CHECK(state_ != nullptr, "the file is committed already");
+  // The file closes only when no group of it is open any more.
+  state_->sequences = h5::Group();
+  state_->file.Commit();
+  state_.reset();
+}
+
+void WriteDataset(const std::filesystem::path& path, const Dataset& dataset) {
+  DatasetWriter writer(path, dataset.skeleton, dataset.source);
+  for (const Sequence& sequence : dataset.sequences) writer.Add(sequence);
+  writer.Commit();
+}
+
+}  // namespace canonpose

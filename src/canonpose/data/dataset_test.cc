@@ -1,0 +1,365 @@
+#include "canonpose/data/dataset.h"
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <functional>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/hdf5.h"
+#include "canonpose/base/testing.h"
+
+namespace canonpose {
+namespace {
+
+using ::testing::AllOf;
+using testing::ErrorOf;
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+Skeleton Stick() { return {"stick", {"Hip", "LKnee", "RKnee"}, {-1, 0, 0}, 0, {0, 2, 1}}; }
+
+CameraView ViewOf(const std::string& name, int frames) {
+  CameraView view;
+  view.name = name;
+  view.image_size = {1920, 1080};
+  for (int i = 0; i < frames * 3; ++i) {
+    view.keypoints.push_back(static_cast<float>(i));
+    view.keypoints.push_back(static_cast<float>(2 * i));
+    view.confidence.push_back(0.5F);
+    for (int axis = 0; axis < 3; ++axis) view.truth.push_back(static_cast<float>(10 * i + axis));
+  }
+  return view;
+}
+
+Dataset Sample() {
+  Dataset dataset;
+  dataset.skeleton = Stick();
+  dataset.source = {"openpose", "body_25b", 2.0, {"a", "b", "c"}};
+  Sequence walk{"walk", "S1", 50.0, true, "room", 4, {ViewOf("c1", 4), ViewOf("c2", 4)}};
+  walk.cameras[0].keypoints[2] = kNaN;
+  walk.cameras[0].keypoints[3] = kNaN;
+  walk.cameras[0].confidence[1] = 0.0F;
+  Camera fixed;
+  fixed.K << 1000.5, 0.1, 960, 0, 1001, 540, 0, 0, 1;
+  fixed.distortion = {0.1, 0.2, 0.3, 0.4};
+  walk.cameras[0].calibration = {fixed};
+  Sequence run{"run", "S1", 25.0, false, "run", 2, {ViewOf("c1", 2)}};
+  run.cameras[0].truth.clear();
+  run.cameras[0].solved.assign(18, 1.5F);
+  for (int frame = 0; frame < 2; ++frame) {
+    Camera moving = fixed;
+    moving.K(0, 0) += frame;
+    moving.camera_from_world_rotation = Eigen::AngleAxisd(0.1 * frame, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    moving.camera_from_world_translation_mm = {1.0 * frame, 2.0, 3.0};
+    run.cameras[0].calibration.push_back(moving);
+  }
+  dataset.sequences = {run, walk};  // in the order of the file, which is alphabetical
+  return dataset;
+}
+
+void ExpectSameValues(const std::vector<float>& a, const std::vector<float>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_TRUE(a[i] == b[i] || (std::isnan(a[i]) && std::isnan(b[i]))) << i;
+}
+
+TEST(DatasetTest, RoundTripKeepsEverything) {
+  const TemporaryFolder folder;
+  const Dataset written = Sample();
+  WriteDataset(folder / "a.h5", written);
+  EXPECT_TRUE(IsDatasetFile(folder / "a.h5"));
+  const Dataset read = ReadDataset(folder / "a.h5");
+  EXPECT_EQ(read.skeleton.name, "stick");
+  EXPECT_TRUE(read.skeleton.SameJoints(written.skeleton));
+  EXPECT_EQ(read.source.format, "openpose");
+  EXPECT_EQ(read.source.layout, "body_25b");
+  EXPECT_EQ(read.source.confidence_scale, 2.0);
+  EXPECT_EQ(read.source.mapping, written.source.mapping);
+  ASSERT_EQ(read.sequences.size(), 2U);
+  for (std::size_t s = 0; s < 2; ++s) {
+    const Sequence& a = read.sequences[s];
+    const Sequence& b = written.sequences[s];
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.subject, b.subject);
+    EXPECT_EQ(a.fps, b.fps);
+    EXPECT_EQ(a.static_cameras, b.static_cameras);
+    EXPECT_EQ(a.capture, b.capture);
+    EXPECT_EQ(a.frame_count, b.frame_count);
+    ASSERT_EQ(a.cameras.size(), b.cameras.size());
+    for (std::size_t c = 0; c < a.cameras.size(); ++c) {
+      EXPECT_EQ(a.cameras[c].name, b.cameras[c].name);
+      EXPECT_EQ(a.cameras[c].image_size, b.cameras[c].image_size);
+      ExpectSameValues(a.cameras[c].keypoints, b.cameras[c].keypoints);
+      ExpectSameValues(a.cameras[c].confidence, b.cameras[c].confidence);
+      ExpectSameValues(a.cameras[c].truth, b.cameras[c].truth);
+      ExpectSameValues(a.cameras[c].solved, b.cameras[c].solved);
+      ASSERT_EQ(a.cameras[c].calibration.size(), b.cameras[c].calibration.size());
+      for (std::size_t i = 0; i < a.cameras[c].calibration.size(); ++i) {
+        const Camera& x = a.cameras[c].calibration[i];
+        const Camera& y = b.cameras[c].calibration[i];
+        EXPECT_EQ(x.K, y.K);
+        EXPECT_EQ(x.camera_from_world_rotation, y.camera_from_world_rotation);
+        EXPECT_EQ(x.camera_from_world_translation_mm, y.camera_from_world_translation_mm);
+        EXPECT_EQ(x.distortion, y.distortion);
+      }
+    }
+  }
+  EXPECT_EQ(read.Fingerprint(), written.Fingerprint());
+}
+
+TEST(DatasetTest, SameDatasetSameBits) {
+  const TemporaryFolder folder;
+  WriteDataset(folder / "a.h5", Sample());
+  WriteDataset(folder / "b.h5", Sample());
+  EXPECT_EQ(ReadFile(folder / "a.h5"), ReadFile(folder / "b.h5"));
+}
+
+TEST(DatasetTest, KnowsWhatItHolds) {
+  Dataset dataset = Sample();
+  EXPECT_TRUE(dataset.HasTruth());
+  EXPECT_TRUE(dataset.HasSolved());
+  EXPECT_TRUE(dataset.HasCalibration());
+  for (Sequence& sequence : dataset.sequences) {
+    for (CameraView& view : sequence.cameras) {
+      std::fill(view.truth.begin(), view.truth.end(), kNaN);
+      view.solved.clear();
+      view.calibration.clear();
+    }
+  }
+  EXPECT_FALSE(dataset.HasTruth());
+  EXPECT_FALSE(dataset.HasSolved());
+  EXPECT_FALSE(dataset.HasCalibration());
+}
+
+TEST(DatasetTest, FingerprintSeesWhatTrainingSees) {
+  const std::uint64_t before = Sample().Fingerprint();
+  Dataset dataset = Sample();
+  dataset.sequences[0].cameras[0].keypoints[0] += 1.0F;
+  EXPECT_NE(dataset.Fingerprint(), before);
+  dataset = Sample();
+  dataset.skeleton.joints[2] = "RightKnee";
+  EXPECT_NE(dataset.Fingerprint(), before);
+  dataset = Sample();
+  dataset.sequences[1].cameras[0].truth.clear();
+  EXPECT_EQ(dataset.Fingerprint(), before);
+}
+
+TEST(DatasetTest, CaptureDefaultsToTheSubjectOnlyForStaticCameras) {
+  const TemporaryFolder folder;
+  Dataset dataset = Sample();
+  for (Sequence& sequence : dataset.sequences) sequence.capture.clear();
+  WriteDataset(folder / "a.h5", dataset);
+  const Dataset read = ReadDataset(folder / "a.h5");
+  EXPECT_EQ(read.sequences[0].capture, "run");
+  EXPECT_EQ(read.sequences[1].capture, "S1");
+}
+
+TEST(DatasetTest, WritesOnlyOnCommit) {
+  const TemporaryFolder folder;
+  {
+    DatasetWriter writer(folder / "a.h5", Stick());
+    writer.Add(Sample().sequences[0]);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(DatasetTest, AKeypointMissingInOneArrayIsMissingInBoth) {
+  const TemporaryFolder folder;
+  Dataset dataset = Sample();
+  CameraView& view = dataset.sequences[0].cameras[0];
+  view.keypoints[1] = kNaN;   // joint 0: one coordinate is enough
+  view.confidence[2] = 0.0F;  // joint 2: a pixel without confidence
+  view.solved[4] = kNaN;
+  WriteDataset(folder / "a.h5", dataset);
+  const Dataset dataset_read = ReadDataset(folder / "a.h5");
+  const CameraView& read = dataset_read.sequences[0].cameras[0];
+  EXPECT_TRUE(std::isnan(read.keypoints[0]));
+  EXPECT_EQ(read.confidence[0], 0.0F);
+  EXPECT_TRUE(std::isnan(read.keypoints[4]));
+  EXPECT_TRUE(std::isnan(read.solved[3]) && std::isnan(read.solved[5]));
+}
+
+TEST(DatasetTest, KeepFramesCutsEveryArray) {
+  Dataset dataset = Sample();
+  KeepFrames(dataset, FrameRange::Parse("1-2"), "a.h5");
+  ASSERT_EQ(dataset.sequences.size(), 2U);
+  EXPECT_EQ(dataset.sequences[0].frame_count, 1);
+  EXPECT_EQ(dataset.sequences[0].cameras[0].calibration.size(), 1U);
+  EXPECT_EQ(dataset.sequences[0].cameras[0].calibration[0].K(0, 0), 1001.5);
+  EXPECT_EQ(dataset.sequences[1].frame_count, 2);
+  EXPECT_EQ(dataset.sequences[1].cameras[1].keypoints.front(), 3.0F);
+  EXPECT_EQ(dataset.sequences[1].cameras[1].confidence.size(), 6U);
+  EXPECT_EQ(dataset.sequences[1].cameras[1].truth.back(), 82.0F);
+  KeepFrames(dataset, {1, 1}, "a.h5");
+  EXPECT_EQ(dataset.sequences.size(), 1U);
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput,
+                      [&] {
+                        KeepFrames(dataset, {7, 9}, "a.h5");
+                      }),
+              AllOf(HasSubstr("a.h5"), HasSubstr("frames from 7 on")));
+}
+
+TEST(DatasetTest, FrameRangesParse) {
+  EXPECT_EQ(FrameRange::Parse("3-9").last, 9);
+  EXPECT_EQ(FrameRange::Parse("3-").last, INT32_MAX);
+  EXPECT_EQ(FrameRange::Parse("3").last, 3);
+  for (const char* text : {"", "-", "-3", "9-3", "a-b", "1-2-3", "1.5", "99999999999"}) {
+    EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { FrameRange::Parse(text); }), HasSubstr("A-B")) << text;
+  }
+}
+
+// ------------------------------------------------------------------------------------------------------- bad files
+
+/// A correct file except for what `change` does; every part of it can be left out or changed.
+struct RawFile {
+  std::string format = "canonpose-dataset";
+  std::int64_t version = 1;
+  std::vector<std::string> joints = {"Hip", "LKnee", "RKnee"};
+  std::vector<std::int64_t> parents = {-1, 0, 0};
+  std::vector<std::int64_t> image_size = {640, 480};
+  std::int64_t static_cameras = 1;
+  std::vector<std::size_t> keypoints_shape = {2, 3, 2};
+  std::vector<std::size_t> confidence_shape = {2, 3};
+  std::vector<std::size_t> second_camera_shape = {2, 3, 2};
+  std::vector<std::size_t> truth_shape;
+  float keypoint = 1.0F;
+  float confidence = 1.0F;
+  std::vector<double> R;
+};
+
+std::vector<float> Filled(const std::vector<std::size_t>& shape, float value) {
+  std::size_t count = 1;
+  for (const std::size_t size : shape) count *= size;
+  return std::vector<float>(count, value);
+}
+
+void Write(const RawFile& raw, const std::filesystem::path& path) {
+  h5::File file = h5::File::CreateAt(path);
+  {
+    h5::Group& root = file.root();
+    root.SetString("format", raw.format);
+    root.SetInt("version", raw.version);
+    h5::Group skeleton = root.Create("skeleton");
+    skeleton.SetStrings("joints", raw.joints);
+    skeleton.SetInts("parents", raw.parents);
+    skeleton.SetInt("root", 0);
+    skeleton.SetInts("mirror", {0, 2, 1});
+    h5::Group sequence = root.Create("sequences").Create("walk");
+    sequence.SetString("subject", "S1");
+    sequence.SetInt("static_cameras", raw.static_cameras);
+    h5::Group cameras = sequence.Create("cameras");
+    for (const char* name : {"c1", "c2"}) {
+      const bool second = std::strcmp(name, "c2") == 0;
+      h5::Group camera = cameras.Create(name);
+      camera.SetInts("image_size", raw.image_size);
+      const std::vector<std::size_t> shape = second ? raw.second_camera_shape : raw.keypoints_shape;
+      std::vector<float> keypoints = Filled(shape, 1.0F);
+      if (second) keypoints[9] = raw.keypoint;
+      camera.Write<float>("keypoints", keypoints, shape);
+      std::vector<float> confidence = Filled(raw.confidence_shape, 1.0F);
+      if (second) confidence[4] = raw.confidence;
+      camera.Write<float>("confidence", confidence, raw.confidence_shape);
+      if (!raw.truth_shape.empty()) {
+        camera.Write<float>("truth", Filled(raw.truth_shape, 1.0F), raw.truth_shape);
+      }
+      if (!raw.R.empty()) {
+        camera.Write<double>("K", std::vector<double>{500, 0, 1, 0, 500, 1, 0, 0, 1}, {3, 3});
+        camera.Write<double>("R", raw.R, {3, 3});
+        camera.Write<double>("t", std::vector<double>{0, 0, 0}, {3});
+      }
+    }
+  }
+  file.Commit();
+}
+
+std::string ErrorOfChange(const std::function<void(RawFile&)>& change) {
+  const TemporaryFolder folder;
+  RawFile raw;
+  change(raw);
+  Write(raw, folder / "bad.h5");
+  std::string message = ErrorOf(ExitCode::kBadInput, [&] { ReadDataset(folder / "bad.h5"); });
+  EXPECT_THAT(message, HasSubstr("bad.h5"));
+  return message;
+}
+
+TEST(DatasetFileTest, AMinimalFileIsEnough) {
+  const TemporaryFolder folder;
+  Write(RawFile(), folder / "a.h5");
+  const Dataset dataset = ReadDataset(folder / "a.h5");
+  EXPECT_EQ(dataset.sequences[0].frame_count, 2);
+  EXPECT_EQ(dataset.sequences[0].fps, 0.0);
+  EXPECT_EQ(dataset.sequences[0].capture, "S1");
+  EXPECT_EQ(dataset.source.confidence_scale, 1.0);
+}
+
+TEST(DatasetFileTest, ErrorsSayWhereAndWhat) {
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.format = "canonpose-model"; }),
+              AllOf(HasSubstr("canonpose-dataset"), HasSubstr("canonpose-model"), HasSubstr("canonpose import")));
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.version = 2; }),
+              AllOf(HasSubstr("expected 1, found 2"), HasSubstr("update")));
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.joints.pop_back(); }), HasSubstr("/skeleton"));
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.parents = {-1, 2, 1}; }), HasSubstr("LKnee"));
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.image_size = {0, 480}; }), HasSubstr("/c1/attribute image_size"));
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.image_size = {640}; }), HasSubstr("1 numbers"));
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.static_cameras = 2; }), HasSubstr("static_cameras"));
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) {
+                raw.keypoints_shape = {2, 4, 2};
+              }),
+              AllOf(HasSubstr("/sequences/walk/cameras/c1/keypoints"), HasSubstr("(2, 4, 2)")));
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.keypoints_shape = {0, 3, 2}; }), HasSubstr("(0, 3, 2)"));
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.confidence_shape = {2, 3, 1}; }), HasSubstr("(2, 3, 1)"));
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) {
+                raw.second_camera_shape = {5, 3, 2};
+              }),
+              AllOf(HasSubstr("/c2/keypoints"), HasSubstr("expected 2 frames"), HasSubstr("found 5")));
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.truth_shape = {2, 3, 2}; }), HasSubstr("/c1/truth"));
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.keypoint = INFINITY; }),
+              AllOf(HasSubstr("/c2/keypoints, frame 1, joint LKnee"), HasSubstr("found inf")));
+  for (const float value : {1.5F, -0.1F, kNaN}) {
+    EXPECT_THAT(ErrorOfChange([&](RawFile& raw) { raw.confidence = value; }),
+                HasSubstr("/c2/confidence, frame 1, joint LKnee: expected a number from 0 to 1"));
+  }
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.R = {2, 0, 0, 0, 1, 0, 0, 0, 1}; }), HasSubstr("not orthonormal"));
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.R = {1, 0, 0, 0, 1, 0, 0, 0, -1}; }), HasSubstr("reflection"));
+}
+
+TEST(DatasetFileTest, OtherFilesAreNoDatasets) {
+  const TemporaryFolder folder;
+  WriteFileAtomically(folder / "a.txt", "hello");
+  EXPECT_FALSE(IsDatasetFile(folder / "a.txt"));
+  EXPECT_FALSE(IsDatasetFile(folder / "nothing"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadDataset(folder / "nothing"); }), HasSubstr("nothing"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadDataset(folder / "a.txt"); }), HasSubstr("HDF5"));
+  h5::File other = h5::File::CreateAt(folder / "other.h5");
+  other.root().SetInt("format", 3);
+  other.Commit();
+  EXPECT_FALSE(IsDatasetFile(folder / "other.h5"));
+}
+
+TEST(DatasetFileTest, ATruncatedFileIsRefused) {
+  const TemporaryFolder folder;
+  WriteDataset(folder / "a.h5", Sample());
+  const std::string whole = ReadFile(folder / "a.h5");
+  for (const std::size_t size : {whole.size() / 2, whole.size() - 100}) {
+    WriteFileAtomically(folder / "cut.h5", std::string_view(whole).substr(0, size));
+    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadDataset(folder / "cut.h5"); }), HasSubstr("cut.h5"));
+  }
+}
+
+TEST(DatasetFileTest, NamesThatCannotBeGroupsAreRefused) {
+  const TemporaryFolder folder;
+  Dataset dataset = Sample();
+  dataset.sequences[0].name = "a/b";
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { WriteDataset(folder / "a.h5", dataset); }), HasSubstr("a/b"));
+  dataset.sequences[0].name = dataset.sequences[1].name;
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { WriteDataset(folder / "a.h5", dataset); }), HasSubstr("two called"));
+}
+
+}  // namespace
+}  // namespace canonpose

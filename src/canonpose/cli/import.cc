@@ -1,0 +1,164 @@
+// canonpose import FORMAT PATH... -o data.h5
+#include "canonpose/data/import.h"
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/error.h"
+#include "canonpose/base/log.h"
+#include "canonpose/cli/commands.h"
+#include "canonpose/data/dataset.h"
+#include "canonpose/data/readers/formats.h"
+
+namespace canonpose {
+namespace {
+
+/// The command line as it stands; texts are taken apart when the command runs, so that all complaints read alike.
+struct ImportArguments {
+  ImportOptions options;
+  std::vector<std::string> paths;
+  std::vector<std::string> cameras;      // NAME=PATH
+  std::vector<std::string> image_sizes;  // WxH or NAME=WxH
+  std::vector<std::string> people;       // N or NAME=N
+  std::string align = "order";
+  std::string calibration;
+  std::string output;
+  long seed = 0;
+};
+
+/// "NAME=VALUE" as its two halves; the name is empty where there is no '='.
+std::pair<std::string, std::string> SplitNamed(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos) return {"", text};
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+int ParsePerson(const std::string& text) {
+  if (text.empty() || text.size() > 6 || text.find_first_not_of("0123456789") != std::string::npos ||
+      std::stoi(text) < 1) {
+    ThrowUsage("--person takes a number from 1 on, or NAME=NUMBER for one camera, not \"{}\"", text);
+  }
+  return std::stoi(text);
+}
+
+ImportOptions ToOptions(const ImportArguments& arguments) {
+  ImportOptions options = arguments.options;
+  options.paths.assign(arguments.paths.begin(), arguments.paths.end());
+  for (const std::string& text : arguments.cameras) {
+    const auto [name, path] = SplitNamed(text);
+    if (!name.empty() && !path.empty()) {
+      options.cameras.push_back({name, path});
+    } else if (name.empty() && text == path) {
+      options.paths.emplace_back(text);  // a PATH that follows the option
+    } else {
+      ThrowUsage("--camera takes NAME=PATH, not \"{}\"", text);
+    }
+  }
+  for (const std::string& text : arguments.image_sizes) {
+    const auto [name, size] = SplitNamed(text);
+    (name.empty() ? options.image_size : options.camera_image_size[name]) = ParseImageSize(size);
+  }
+  for (const std::string& text : arguments.people) {
+    const auto [name, number] = SplitNamed(text);
+    (name.empty() ? options.person : options.camera_person[name]) = ParsePerson(number);
+  }
+  options.calibration = arguments.calibration;
+  options.alignment = arguments.align == "frame-number" ? FrameAlignment::kFrameNumber : FrameAlignment::kOrder;
+  if (options.name.empty()) {
+    options.name = std::filesystem::path(arguments.output).stem().string();
+    if (options.name.empty() || options.name.front() == '.') options.name = "clip";
+  }
+  return options;
+}
+
+void LogSummary(const Dataset& dataset, const std::string& output) {
+  const Sequence& sequence = dataset.sequences.front();
+  std::string cameras;
+  for (const CameraView& view : sequence.cameras) {
+    long seen = 0;
+    for (const float confidence : view.confidence) seen += confidence > 0.0F ? 1 : 0;
+    const double share = static_cast<double>(seen) / static_cast<double>(view.confidence.size());
+    cameras += fmt::format("{}{} {:.1f} %", cameras.empty() ? "" : ", ", view.name, 100.0 * share);
+  }
+  std::string derived;
+  for (const std::string& joint : dataset.source.mapping) {
+    if (joint.find(" = mean(") != std::string::npos) derived += (derived.empty() ? "" : ", ") + joint;
+  }
+  LogInfo("{}: {} frames from {} cameras; joints seen: {}", output, sequence.frame_count, sequence.cameras.size(),
+          cameras);
+  LogInfo("layout {}, {} joints; derived: {}", dataset.source.layout, dataset.skeleton.joint_count(),
+          derived.empty() ? "none" : derived);
+  LogInfo("sequence {}, subject {}, capture {}, {} cameras", sequence.name, sequence.subject, sequence.capture,
+          sequence.static_cameras ? "static" : "moving");
+}
+
+void RunImport(const ImportArguments& arguments) {
+  const ImportOptions options = ToOptions(arguments);
+  options.Validate();
+  // A place that cannot be written is told before reading, which may take minutes.
+  { const AtomicFile probe(arguments.output); }
+  const Dataset dataset = ImportDetections(options);
+  WriteDataset(arguments.output, dataset);
+  LogSummary(dataset, arguments.output);
+}
+
+}  // namespace
+
+void AddImportCommand(CLI::App& app) {
+  auto arguments = std::make_shared<ImportArguments>();
+  arguments->options.name.clear();
+  ImportOptions& options = arguments->options;
+  CLI::App* command =
+      app.add_subcommand("import", "Make a dataset from a detector's 2D keypoints of at least two cameras");
+  command->add_option("format", options.format, "The detector's files: " + DetectionFormatNames())
+      ->required()
+      ->type_name("FORMAT");
+  command->add_option("path", arguments->paths, "A folder or file for each camera, or a folder that holds those")
+      ->type_name("PATH");
+  command->add_option("-o,--output", arguments->output, "The dataset to write")->required()->type_name("FILE");
+  command->add_option("--camera", arguments->cameras, "A camera under a name of your choice; may be repeated")
+      ->type_name("NAME=PATH");
+  command
+      ->add_option("--image-size", arguments->image_sizes,
+                   "Width and height in pixels of all cameras, or of the one named")
+      ->type_name("[NAME=]WxH")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--calibration", arguments->calibration,
+                   "Calibration as JSON; for evaluation only, training does not use it")
+      ->type_name("FILE");
+  command
+      ->add_option("--layout", options.layout,
+                   "The detector's layout; by default told by the number of keypoints and anatomy")
+      ->type_name("NAME");
+  command->add_option("--skeleton", options.skeleton, "The skeleton to map to, or native for the detector's own joints")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      ->add_option("--person", arguments->people,
+                   "Whom to follow where several are seen: 1 is the most prominent (default)")
+      ->type_name("[NAME=]N")
+      ->allow_extra_args(false);
+  command->add_option("--align", arguments->align, "Match the cameras' frames in order or by frame number")
+      ->check(CLI::IsMember({"order", "frame-number"}))
+      ->capture_default_str();
+  command->add_option("--name", options.name, "Name of the sequence (default: the output's name)")->type_name("NAME");
+  command->add_option("--subject", options.subject, "Name of the person (default: the sequence's name)")
+      ->type_name("NAME");
+  command
+      ->add_option("--capture", options.capture,
+                   "Recordings of one capture share their cameras (default: this one alone)")
+      ->type_name("NAME");
+  command->add_option("--fps", options.fps, "Frames a second")->type_name("FPS");
+  command->add_flag("--moving", options.moving_cameras, "The cameras move");
+  command->add_option("--seed", arguments->seed, "Taken by all commands; importing draws no random numbers");
+  command->callback([arguments] { RunImport(*arguments); });
+}
+
+}  // namespace canonpose

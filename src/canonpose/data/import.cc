@@ -1,0 +1,384 @@
+#include "canonpose/data/import.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "canonpose/base/error.h"
+#include "canonpose/base/log.h"
+#include "canonpose/data/layout_check.h"
+#include "canonpose/data/person_tracking.h"
+#include "canonpose/data/readers/calibration.h"
+#include "canonpose/data/readers/formats.h"
+#include "canonpose/skeleton/mapping.h"
+
+namespace canonpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+using ImageSize = std::array<int, 2>;
+using Calibration = std::map<std::string, CalibratedCamera>;
+
+/// Coordinates that never leave this are fractions of the image, not pixels.
+constexpr float kLargestFraction = 2.0F;
+/// A keypoint this share of the image's size outside is not just beside the border.
+constexpr float kFarOutside = 0.1F;
+/// So many keypoints far outside mean that the size is wrong.
+constexpr double kManyOutside = 0.02;
+
+bool SamePath(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  return fs::equivalent(a, b, error) && !error;
+}
+
+void CheckCameraNames(const std::vector<CameraInput>& cameras) {
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const CameraInput& camera = cameras[i];
+    if (camera.name.empty() || camera.name.front() == '.' || camera.name.find('/') != std::string::npos) {
+      ThrowBadInput({camera.path.string(), "", "a camera name without '/' that does not begin with '.'",
+                     "\"" + camera.name + "\"", "name it with --camera NAME=PATH"});
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      if (cameras[k].name != camera.name) continue;
+      ThrowBadInput({camera.path.string(), "", "another name for each camera",
+                     fmt::format("camera {} at {} too", camera.name, cameras[k].path.string()),
+                     "name them with --camera NAME=PATH"});
+    }
+  }
+}
+
+std::vector<CameraInput> FindCameras(const ImportOptions& options, const DetectionFormat& format) {
+  std::vector<CameraInput> cameras;
+  for (const fs::path& path : options.paths) {
+    for (CameraInput& camera : format.find_cameras(path)) {
+      const bool is_named_by_user = std::any_of(
+          options.cameras.begin(), options.cameras.end(),
+          [&](const CameraInput& named) { return named.name == camera.name || SamePath(named.path, camera.path); });
+      if (!is_named_by_user) cameras.push_back(std::move(camera));
+    }
+  }
+  for (const CameraInput& named : options.cameras) {
+    const std::vector<CameraInput> found = format.find_cameras(named.path);
+    if (found.size() != 1) {
+      ThrowBadInput({named.path.string(), "", fmt::format("one camera for {}", named.name),
+                     fmt::format("{} cameras", found.size()), "give the path of that camera alone"});
+    }
+    cameras.push_back({named.name, found.front().path});
+  }
+  std::stable_sort(cameras.begin(), cameras.end(),
+                   [](const CameraInput& a, const CameraInput& b) { return a.name < b.name; });
+  CheckCameraNames(cameras);
+  if (cameras.size() < 2) {
+    ThrowBadInput({cameras.empty() ? "" : cameras.front().path.string(), "", "at least two cameras",
+                   cameras.empty() ? "none" : "one, " + cameras.front().name,
+                   "give the paths of all cameras that saw the person at the same time"});
+  }
+  return cameras;
+}
+
+/// Options that name a camera which is not there are typing errors.
+template <typename Value>
+void CheckNamesExist(const std::map<std::string, Value>& by_camera, const std::vector<CameraInput>& cameras,
+                     const char* option) {
+  for (const auto& [name, value] : by_camera) {
+    const std::string& wanted = name;
+    if (std::any_of(cameras.begin(), cameras.end(), [&](const CameraInput& camera) { return camera.name == wanted; }))
+      continue;
+    std::string names;
+    for (const CameraInput& camera : cameras) names += (names.empty() ? "" : ", ") + camera.name;
+    ThrowUsage("{} names camera {}, but the cameras are {}", option, name, names);
+  }
+}
+
+ImageSize ImageSizeOf(const CameraInput& camera, const ImportOptions& options, const Calibration& calibration) {
+  const auto own = options.camera_image_size.find(camera.name);
+  if (own != options.camera_image_size.end()) return own->second;
+  if (options.image_size[0] > 0) return options.image_size;
+  if (options.calibration.empty()) {
+    ThrowBadInput({camera.path.string(), "", fmt::format("the image size of camera {}", camera.name),
+                   "none in the file", fmt::format("give --image-size WxH, or {}=WxH for one camera", camera.name)});
+  }
+  const CalibratedCamera& calibrated = FindCalibration(calibration, camera.name, options.calibration);
+  if (!calibrated.image_size) {
+    ThrowBadInput({options.calibration.string(), "image_size", "width and height", "nothing", "give --image-size WxH"});
+  }
+  return *calibrated.image_size;
+}
+
+void RefuseFractions(const KeypointClip& clip) {
+  float largest = 0.0F;
+  for (const float coordinate : clip.keypoints) {
+    if (!std::isnan(coordinate)) largest = std::max(largest, std::abs(coordinate));
+  }
+  if (largest > kLargestFraction) return;
+  ThrowBadInput({clip.path, "", "coordinates in pixels",
+                 fmt::format("none above {:.3g}, so fractions of the image", largest),
+                 "run the detector again so that it writes pixels (OpenPose: without --keypoint_scale)"});
+}
+
+void WarnOfKeypointsOutside(const KeypointClip& clip, const ImageSize& size) {
+  std::size_t seen = 0;
+  std::size_t outside = 0;
+  std::array<float, 2> reach{0.0F, 0.0F};
+  for (std::size_t i = 0; i + 1 < clip.keypoints.size(); i += 2) {
+    if (std::isnan(clip.keypoints[i])) continue;
+    ++seen;
+    bool is_far = false;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const float coordinate = clip.keypoints[i + axis];
+      const auto extent = static_cast<float>(size[axis]);
+      reach[axis] = std::max(reach[axis], coordinate);
+      is_far = is_far || coordinate < -kFarOutside * extent || coordinate > (1.0F + kFarOutside) * extent;
+    }
+    outside += is_far ? 1 : 0;
+  }
+  if (static_cast<double>(outside) <= kManyOutside * static_cast<double>(seen)) return;
+  LogWarning(
+      "{}: {:.0f} % of the keypoints lie far outside an image of {}x{} pixels (they reach {:.0f}, {:.0f}); check "
+      "--image-size{}",
+      clip.name, 100.0 * static_cast<double>(outside) / static_cast<double>(seen), size[0], size[1], reach[0], reach[1],
+      size[0] != size[1] ? ", width comes first" : "");
+}
+
+KeypointClip ReadClip(const DetectionFormat& format, const CameraInput& input, int person) {
+  const DetectedCamera camera = format.read(input);
+  KeypointClip clip = FollowPerson(camera, person);
+  RefuseFractions(clip);
+  return clip;
+}
+
+void CheckKeypointCounts(const std::vector<KeypointClip>& clips) {
+  for (const KeypointClip& clip : clips) {
+    if (clip.keypoint_count == clips.front().keypoint_count) continue;
+    ThrowBadInput(
+        {clip.path, "", fmt::format("{} keypoints as in camera {}", clips.front().keypoint_count, clips.front().name),
+         fmt::format("{} in camera {}", clip.keypoint_count, clip.name), "all cameras must come from one detector"});
+  }
+}
+
+std::string RangeOf(const KeypointClip& clip) {
+  return fmt::format("{} has {} frames ({} to {})", clip.name, clip.frame_count(), clip.frame_numbers.front(),
+                     clip.frame_numbers.back());
+}
+
+void CheckSameCounts(const std::vector<KeypointClip>& clips) {
+  const KeypointClip& first = clips.front();
+  for (const KeypointClip& clip : clips) {
+    if (clip.frame_count() == first.frame_count()) continue;
+    ThrowBadInput({clip.path, "", "as many frames from every camera", RangeOf(first) + ", " + RangeOf(clip),
+                   "use --align frame-number if equal numbers are equal times, or cut the clips alike"});
+  }
+  for (const KeypointClip& clip : clips) {
+    if (clip.frame_numbers == first.frame_numbers) continue;
+    LogWarning("frame numbers differ: {}, {}; frames are matched in order, unless --align frame-number", RangeOf(first),
+               RangeOf(clip));
+    return;
+  }
+}
+
+/// The clip with its frames at the places of `numbers`, which has all of them.
+KeypointClip Spread(const KeypointClip& clip, const std::vector<std::int64_t>& numbers) {
+  const auto count = static_cast<std::size_t>(clip.keypoint_count);
+  KeypointClip spread = clip;
+  spread.frame_numbers = numbers;
+  spread.keypoints.assign(numbers.size() * count * 2, std::numeric_limits<float>::quiet_NaN());
+  spread.confidence.assign(numbers.size() * count, 0.0F);
+  std::size_t to = 0;
+  for (std::size_t from = 0; from < clip.frame_numbers.size(); ++from) {
+    while (numbers[to] != clip.frame_numbers[from]) ++to;
+    std::copy_n(clip.keypoints.begin() + static_cast<std::ptrdiff_t>(from * count * 2), count * 2,
+                spread.keypoints.begin() + static_cast<std::ptrdiff_t>(to * count * 2));
+    std::copy_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(from * count), count,
+                spread.confidence.begin() + static_cast<std::ptrdiff_t>(to * count));
+  }
+  return spread;
+}
+
+void AlignByNumber(std::vector<KeypointClip>& clips) {
+  std::map<std::int64_t, int> cameras_with;
+  for (const KeypointClip& clip : clips) {
+    for (const std::int64_t number : clip.frame_numbers) ++cameras_with[number];
+  }
+  std::vector<std::int64_t> numbers;
+  bool has_common = false;
+  for (const auto& [number, count] : cameras_with) {
+    numbers.push_back(number);
+    has_common = has_common || count > 1;
+  }
+  if (!has_common) {
+    ThrowBadInput({clips[1].path, "", "frame numbers that another camera has too",
+                   RangeOf(clips[0]) + ", " + RangeOf(clips[1]),
+                   "leave --align frame-number out if the frames belong together in order"});
+  }
+  for (KeypointClip& clip : clips) {
+    const std::size_t missing = numbers.size() - clip.frame_numbers.size();
+    if (missing > 0) LogInfo("{}: {} of {} frames missing", clip.name, missing, numbers.size());
+    clip = Spread(clip, numbers);
+  }
+}
+
+/// The largest confidence where that is above 1; otherwise 1.
+double ConfidenceScale(const std::vector<KeypointClip>& clips) {
+  double largest = 1.0;
+  for (const KeypointClip& clip : clips) {
+    for (const float confidence : clip.confidence) largest = std::max(largest, static_cast<double>(confidence));
+  }
+  return largest;
+}
+
+CameraView MapClip(const KeypointClip& clip, const LayoutMapping& mapping, double confidence_scale) {
+  const auto source_count = static_cast<std::size_t>(mapping.source.joint_count());
+  const auto target_count = static_cast<std::size_t>(mapping.target.joint_count());
+  const auto frames = clip.frame_numbers.size();
+  std::vector<float> confidence = clip.confidence;
+  for (float& c : confidence) c = static_cast<float>(std::min(1.0, static_cast<double>(c) / confidence_scale));
+  CameraView view;
+  view.name = clip.name;
+  view.keypoints.resize(frames * target_count * 2);
+  view.confidence.resize(frames * target_count);
+  for (std::size_t t = 0; t < frames; ++t) {
+    ApplyMapping(mapping, &clip.keypoints[t * source_count * 2], &confidence[t * source_count],
+                 &view.keypoints[t * target_count * 2], &view.confidence[t * target_count]);
+  }
+  return view;
+}
+
+LayoutMapping MappingTo(const Skeleton& layout, const std::string& skeleton) {
+  if (skeleton == "native") return MapLayout(layout, layout);
+  const Skeleton* target = FindSkeleton(skeleton);
+  if (target == nullptr)
+    ThrowUsage("there is no skeleton \"{}\"; there are {} and native", skeleton, BuiltinSkeletonNames());
+  return MapLayout(layout, *target);
+}
+
+std::vector<KeypointClip> ReadClips(const ImportOptions& options, const DetectionFormat& format,
+                                    const std::vector<CameraInput>& cameras) {
+  std::vector<KeypointClip> clips;
+  for (const CameraInput& camera : cameras) {
+    const auto person = options.camera_person.find(camera.name);
+    clips.push_back(ReadClip(format, camera, person == options.camera_person.end() ? options.person : person->second));
+  }
+  return clips;
+}
+
+}  // namespace
+
+void ImportOptions::Validate() const {
+  FindDetectionFormat(format);
+  if (paths.empty() && cameras.empty()) ThrowUsage("give the paths of the cameras");
+  if (!layout.empty() && FindSkeleton(layout) == nullptr) {
+    ThrowUsage("there is no layout \"{}\"; the layouts are {}", layout, BuiltinSkeletonNames());
+  }
+  if (skeleton != "native" && FindSkeleton(skeleton) == nullptr) {
+    ThrowUsage("there is no skeleton \"{}\"; there are {} and native", skeleton, BuiltinSkeletonNames());
+  }
+  if (person < 1) ThrowUsage("--person counts from 1, not {}", person);
+  for (const auto& [camera, number] : camera_person) {
+    if (number < 1) ThrowUsage("--person counts from 1, not {}", number);
+  }
+  if (!std::isfinite(fps) || fps < 0.0) ThrowUsage("--fps must be above 0, not {}", fps);
+  if (name.empty() || name.front() == '.' || name.find('/') != std::string::npos) {
+    ThrowUsage("\"{}\" is no name for a sequence: it must not be empty, begin with '.' or hold '/'", name);
+  }
+}
+
+Dataset ImportDetections(const ImportOptions& options) {
+  options.Validate();
+  const DetectionFormat& format = FindDetectionFormat(options.format);
+  const std::vector<CameraInput> cameras = FindCameras(options, format);
+  CheckNamesExist(options.camera_person, cameras, "--person");
+  CheckNamesExist(options.camera_image_size, cameras, "--image-size");
+  // What is cheap to check comes before what may take minutes to read.
+  Calibration calibration;
+  if (!options.calibration.empty()) calibration = ReadCalibration(options.calibration);
+  std::vector<ImageSize> sizes;
+  for (const CameraInput& camera : cameras) {
+    sizes.push_back(ImageSizeOf(camera, options, calibration));
+    if (!options.calibration.empty()) FindCalibration(calibration, camera.name, options.calibration);
+  }
+
+  std::vector<KeypointClip> clips = ReadClips(options, format, cameras);
+  CheckKeypointCounts(clips);
+  const Skeleton& layout = CheckLayout(clips, options.layout);
+  if (options.alignment == FrameAlignment::kFrameNumber) {
+    AlignByNumber(clips);
+  } else {
+    CheckSameCounts(clips);
+  }
+  const LayoutMapping mapping = MappingTo(layout, options.skeleton);
+  const double scale = ConfidenceScale(clips);
+  if (scale > 1.0) LogInfo("confidences reach {:.3g}; all are divided by that", scale);
+
+  Dataset dataset;
+  dataset.skeleton = mapping.target;
+  dataset.source = {std::string(format.name), layout.name, scale, mapping.DescribeAll()};
+  Sequence sequence;
+  sequence.name = options.name;
+  sequence.subject = options.subject.empty() ? options.name : options.subject;
+  sequence.fps = options.fps;
+  sequence.static_cameras = !options.moving_cameras;
+  sequence.frame_count = clips.front().frame_count();
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    WarnOfKeypointsOutside(clips[i], sizes[i]);
+    CameraView view = MapClip(clips[i], mapping, scale);
+    view.image_size = sizes[i];
+    if (!options.calibration.empty())
+      view.calibration = {FindCalibration(calibration, view.name, options.calibration).camera};
+    sequence.cameras.push_back(std::move(view));
+  }
+  dataset.sequences.push_back(std::move(sequence));
+  dataset.sequences.front().capture = options.capture.empty()
+                                          ? fmt::format("{}-{:08x}", options.name, dataset.Fingerprint() & 0xFFFFFFFFU)
+                                          : options.capture;
+  return dataset;
+}
+
+SingleCamera ReadSingleCamera(const fs::path& path, const SingleCameraOptions& options) {
+  const DetectionFormat& format = FindDetectionFormat(options.format.empty() ? DetectFormat(path) : options.format);
+  std::vector<CameraInput> cameras = format.find_cameras(path);
+  std::string names;
+  for (const CameraInput& camera : cameras) names += (names.empty() ? "" : ", ") + camera.name;
+  if (!options.camera.empty() && cameras.size() > 1) {
+    std::erase_if(cameras, [&](const CameraInput& camera) { return camera.name != options.camera; });
+  }
+  if (cameras.size() != 1) {
+    ThrowBadInput({path.string(), "", options.camera.empty() ? "one camera" : "camera " + options.camera,
+                   "the cameras " + names, "choose one with --camera NAME"});
+  }
+  std::vector<KeypointClip> clips{ReadClip(format, cameras.front(), options.person)};
+  const Skeleton& layout = CheckLayout(clips, options.layout);
+  const bool is_native = options.skeleton.joints.empty();
+  const LayoutMapping mapping = MapLayout(layout, is_native ? layout : options.skeleton);
+  const double scale = options.confidence_scale > 0.0 ? options.confidence_scale : ConfidenceScale(clips);
+  SingleCamera single;
+  single.view = MapClip(clips.front(), mapping, scale);
+  single.view.image_size = options.image_size;
+  single.frame_numbers = clips.front().frame_numbers;
+  single.skeleton = mapping.target;
+  single.source = {std::string(format.name), layout.name, scale, mapping.DescribeAll()};
+  return single;
+}
+
+std::array<int, 2> ParseImageSize(const std::string& text) {
+  int width = 0;
+  int height = 0;
+  const char* const end = text.data() + text.size();
+  const auto [after_width, width_error] = std::from_chars(text.data(), end, width);
+  bool is_size = width_error == std::errc() && after_width != end && (*after_width == 'x' || *after_width == 'X');
+  if (is_size) {
+    const auto [after_height, height_error] = std::from_chars(after_width + 1, end, height);
+    is_size = height_error == std::errc() && after_height == end && width > 0 && height > 0;
+  }
+  if (!is_size) ThrowUsage("\"{}\" is no image size; write it as 1920x1080", text);
+  return {width, height};
+}
+
+}  // namespace canonpose

@@ -1,0 +1,200 @@
+#include "canonpose/data/readers/detections.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "canonpose/base/error.h"
+
+namespace canonpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// So that differences never overflow; time stamps in nanoseconds still fit.
+constexpr std::int64_t kLargestFrameNumber = 2'000'000'000'000'000'000;
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+/// Whole-body sets begin with a body set of their own; the face and the hands behind it are left out.
+struct WholeBodySet {
+  std::size_t keypoint_count;
+  std::size_t body_count;
+};
+constexpr std::array<WholeBodySet, 2> kWholeBodySets{{{136, 26}, {133, 17}}};
+
+std::size_t BodyCount(std::size_t keypoint_count) {
+  for (const WholeBodySet& set : kWholeBodySets) {
+    if (set.keypoint_count == keypoint_count) return set.body_count;
+  }
+  return keypoint_count;
+}
+
+bool IsHidden(const fs::path& path) { return path.filename().string().starts_with("."); }
+
+std::string LowerExtension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension;
+}
+
+template <typename Keep>
+std::vector<fs::path> ListFolder(const fs::path& folder, Keep&& keep) {
+  std::error_code error;
+  fs::directory_iterator entries(folder, error);
+  if (error) ThrowBadInput({folder.string(), "", "a folder that can be read", error.message(), "check the path"});
+  std::vector<fs::path> paths;
+  for (const fs::directory_entry& entry : entries) {
+    std::error_code ignored;
+    if (!IsHidden(entry.path()) && keep(entry, ignored)) paths.push_back(entry.path());
+  }
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+}  // namespace
+
+std::optional<DetectedPerson> PersonFromTriples(const std::vector<double>& triples) {
+  const std::size_t count = BodyCount(triples.size() / 3);
+  DetectedPerson person;
+  person.keypoints.assign(2 * count, kNaN);
+  person.confidence.assign(count, 0.0F);
+  bool is_seen = false;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double x = triples[3 * k];
+    const double y = triples[3 * k + 1];
+    const double confidence = triples[3 * k + 2];
+    if (confidence <= 0.0 || (x == 0.0 && y == 0.0)) continue;
+    person.keypoints[2 * k] = static_cast<float>(x);
+    person.keypoints[2 * k + 1] = static_cast<float>(y);
+    person.confidence[k] = static_cast<float>(confidence);
+    is_seen = true;
+  }
+  if (!is_seen) return std::nullopt;
+  return person;
+}
+
+CameraBuilder::CameraBuilder(const CameraInput& input) {
+  camera_.name = input.name;
+  camera_.path = input.path.string();
+}
+
+DetectedFrame& CameraBuilder::Frame(std::int64_t number, const std::string& image, const std::string& file,
+                                    const std::string& place) {
+  if (number > kLargestFrameNumber || number < -kLargestFrameNumber) {
+    ThrowBadInput({file, place, "a frame number", fmt::format("{}", number), "number the frames from 0"});
+  }
+  const auto [entry, is_new] = frames_.try_emplace(number);
+  DetectedFrame& frame = entry->second;
+  if (is_new) {
+    frame.number = number;
+    frame.image = image;
+  } else if (frame.image != image) {
+    ThrowBadInput({file, place, "one image a frame number",
+                   fmt::format("{} and {}, both frame {}", frame.image, image, number),
+                   "one folder or file a camera; the frame number is the last number in the name"});
+  }
+  return frame;
+}
+
+void CameraBuilder::Add(DetectedFrame& frame, DetectedPerson person, const std::string& file,
+                        const std::string& place) {
+  const int count = static_cast<int>(person.confidence.size());
+  if (camera_.keypoint_count == 0) {
+    camera_.keypoint_count = count;
+    first_place_ = file == camera_.path ? place : file;
+  }
+  if (count != camera_.keypoint_count) {
+    ThrowBadInput({file, place, fmt::format("{} keypoints as in {}", camera_.keypoint_count, first_place_),
+                   fmt::format("{}", count), "all frames must come from one run of one detector"});
+  }
+  frame.people.push_back(std::move(person));
+}
+
+DetectedCamera CameraBuilder::Finish(bool fill_gaps) {
+  if (camera_.keypoint_count == 0) {
+    ThrowBadInput({camera_.path, "", "detections of a person",
+                   frames_.empty() ? "no frames" : fmt::format("nobody in any of {} frames", frames_.size()),
+                   fmt::format("leave camera {} out, or run the detector on it again", camera_.name)});
+  }
+  std::int64_t step = 0;
+  std::optional<std::int64_t> previous;
+  for (const auto& [number, frame] : frames_) {
+    if (previous) step = std::gcd(step, number - *previous);
+    previous = number;
+  }
+  // Numbers that are names rather than counters (COCO's image ids) leave gaps that mean nothing.
+  const std::int64_t last = frames_.rbegin()->first;
+  const bool is_counter = step > 0 && (last - frames_.begin()->first) / step < 20 * std::ssize(frames_) + 1000;
+  if (fill_gaps && is_counter) {
+    for (std::int64_t number = frames_.begin()->first; number < last; number += step) {
+      const auto [entry, is_new] = frames_.try_emplace(number);
+      if (is_new) entry->second.number = number;
+    }
+  }
+  for (auto& [number, frame] : frames_) camera_.frames.push_back(std::move(frame));
+  frames_.clear();
+  return std::move(camera_);
+}
+
+std::optional<std::int64_t> LastNumber(std::string_view file_name) {
+  // Only a suffix that is not a number itself is an extension: "cam01.0012" has none.
+  const std::size_t dot = file_name.rfind('.');
+  if (dot != std::string_view::npos && dot > 0 &&
+      std::any_of(file_name.begin() + static_cast<std::ptrdiff_t>(dot) + 1, file_name.end(),
+                  [](unsigned char c) { return std::isalpha(c) != 0; })) {
+    file_name = file_name.substr(0, dot);
+  }
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  std::size_t end = file_name.size();
+  // The "2d" and the like of "_keypoints_2d" is no frame number.
+  if (file_name.ends_with("_2d")) end -= 3;
+  while (end > 0 && !is_digit(file_name[end - 1])) --end;
+  if (end == 0) return std::nullopt;
+  std::size_t begin = end;
+  while (begin > 0 && is_digit(file_name[begin - 1]) && end - begin < 18) --begin;
+  std::int64_t number = 0;
+  for (std::size_t i = begin; i < end; ++i) number = 10 * number + (file_name[i] - '0');
+  return number;
+}
+
+std::int64_t FrameNumberOf(const std::string& name, const std::string& file, const std::string& place) {
+  const std::optional<std::int64_t> number = LastNumber(name);
+  if (!number) {
+    ThrowBadInput({file, place, "a frame number in the name", "\"" + name + "\"", "name frames as in frame_0012"});
+  }
+  return *number;
+}
+
+std::vector<fs::path> JsonFilesIn(const fs::path& folder) {
+  return ListFolder(folder, [](const fs::directory_entry& entry, std::error_code& error) {
+    return entry.is_regular_file(error) && LowerExtension(entry.path()) == ".json";
+  });
+}
+
+std::vector<fs::path> FoldersIn(const fs::path& folder) {
+  return ListFolder(folder,
+                    [](const fs::directory_entry& entry, std::error_code& error) { return entry.is_directory(error); });
+}
+
+std::string CameraNameOf(const fs::path& path) {
+  fs::path plain = fs::absolute(path).lexically_normal();
+  if (!plain.has_filename()) plain = plain.parent_path();
+  const bool is_json = LowerExtension(plain) == ".json";
+  const std::string name = (is_json ? plain.stem() : plain.filename()).string();
+  static constexpr std::array<std::string_view, 4> kSameForAll{"alphapose-results", "alphapose-results-forvis",
+                                                               "sep-json", "results"};
+  const bool is_same_for_all = std::find(kSameForAll.begin(), kSameForAll.end(), name) != kSameForAll.end();
+  if (!is_same_for_all) return name;
+  const std::string above = plain.parent_path().filename().string();
+  return above.empty() ? name : above;
+}
+
+}  // namespace canonpose

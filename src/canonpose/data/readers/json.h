@@ -1,0 +1,69 @@
+// JSON files of others: values that know where they stand, so that every complaint names file, place, expected and
+// found.
+//
+// Internal to the readers: it exposes nlohmann::json, which users of the data module do not need.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace canonpose {
+
+/// A value of a parsed JSON file with its place, "people[0].pose_keypoints_2d". Cheap to copy; keeps the file alive.
+class JsonValue {
+ public:
+  /// Reads and parses a file. Throws Error(kBadInput) where it cannot be read, is cut off, or holds what JSON does not
+  /// allow: NaN, Infinity and numbers too large for a double get a message of their own.
+  static JsonValue Load(const std::filesystem::path& path);
+
+  [[nodiscard]] const std::string& file() const { return document_->file; }
+  [[nodiscard]] const std::string& place() const { return place_; }
+  [[nodiscard]] const nlohmann::json& json() const { return *value_; }
+
+  /// The member of an object; throws Error(kBadInput) where this is no object or has none of that name.
+  [[nodiscard]] JsonValue operator[](const std::string& key) const;
+  /// The member, where this is an object that has it and it is not null.
+  [[nodiscard]] std::optional<JsonValue> Find(const std::string& key) const;
+  [[nodiscard]] bool Has(const std::string& key) const { return Find(key).has_value(); }
+  /// Number of elements; throws Error(kBadInput) unless this is an array.
+  [[nodiscard]] std::size_t ArraySize() const;
+  /// An element of an array that has it.
+  [[nodiscard]] JsonValue At(std::size_t index) const;
+  /// Names of an object's members; throws Error(kBadInput) unless this is an object.
+  [[nodiscard]] std::vector<std::string> Keys() const;
+
+  /// A finite number no larger than a float and a pixel can be; throws Error(kBadInput) otherwise.
+  [[nodiscard]] double Number() const;
+  [[nodiscard]] std::int64_t Integer() const;
+  /// An array of such numbers.
+  [[nodiscard]] std::vector<double> Numbers() const;
+  [[nodiscard]] std::string String() const;
+
+  /// "null", "the string "abc"", "an array of 74 values", ...
+  [[nodiscard]] std::string Describe() const;
+  /// Throws Error(kBadInput) at this place; `found` is Describe() where empty.
+  [[noreturn]] void Fail(const std::string& expected, const std::string& advice = "",
+                         const std::string& found = "") const;
+
+ private:
+  struct Document {
+    std::string file;
+    nlohmann::json root;
+  };
+  JsonValue(std::shared_ptr<const Document> document, const nlohmann::json* value, std::string place);
+
+  std::shared_ptr<const Document> document_;
+  const nlohmann::json* value_;
+  std::string place_;
+};
+
+/// The first character of a file that is not white space; 0 where there is none. Throws Error(kBadInput) where it
+/// cannot be read.
+char FirstCharacter(const std::filesystem::path& path);
+
+}  // namespace canonpose

@@ -1,0 +1,104 @@
+#include "canonpose/data/readers/openpose.h"
+
+#include <fmt/format.h>
+
+#include "canonpose/base/error.h"
+#include "canonpose/base/log.h"
+#include "canonpose/base/progress.h"
+#include "canonpose/data/readers/json.h"
+
+namespace canonpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFolderAdvice =
+    "give the folder that OpenPose's --write_json wrote, or the folder above several of those";
+
+bool IsEmptyFolder(const fs::path& folder) {
+  std::error_code error;
+  return fs::is_empty(folder, error) && !error;
+}
+
+/// The body keypoints of one entry of `people`; an empty array where the run had the body switched off.
+std::vector<double> BodyTriples(const JsonValue& person) {
+  // Releases before 1.2 wrote the shorter name.
+  const std::optional<JsonValue> old_name = person.Find("pose_keypoints");
+  const JsonValue value = old_name && !person.Has("pose_keypoints_2d") ? *old_name : person["pose_keypoints_2d"];
+  std::vector<double> triples = value.Numbers();
+  if (triples.size() % 3 != 0) {
+    value.Fail("a multiple of three values (x, y, confidence)", "export the frame again",
+               fmt::format("{} values", triples.size()));
+  }
+  return triples;
+}
+
+void ReadFrame(const fs::path& path, CameraBuilder& builder) {
+  const JsonValue root = JsonValue::Load(path);
+  const std::string& file = root.file();
+  const JsonValue people = root["people"];
+  const std::size_t count = people.ArraySize();
+  const std::string name = path.filename().string();
+  DetectedFrame& frame = builder.Frame(FrameNumberOf(name, file, ""), name, file, "");
+  for (std::size_t i = 0; i < count; ++i) {
+    const JsonValue entry = people.At(i);
+    std::optional<DetectedPerson> person = PersonFromTriples(BodyTriples(entry));
+    if (!person) continue;
+    // An undetected person_id is [-1].
+    if (const std::optional<JsonValue> ids = entry.Find("person_id");
+        ids && ids->json().is_array() && ids->ArraySize() > 0) {
+      const std::int64_t id = ids->At(0).Integer();
+      if (id >= 0) person->track_id = id;
+    }
+    builder.Add(frame, std::move(*person), file, entry.place() + ".pose_keypoints_2d");
+  }
+}
+
+}  // namespace
+
+std::vector<CameraInput> FindOpenPoseCameras(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_regular_file(path, error)) {
+    ThrowBadInput({path.string(), "", "a folder with one JSON file a frame", "a file", kFolderAdvice});
+  }
+  const std::vector<fs::path> files = JsonFilesIn(path);  // throws where there is no such folder
+  std::vector<CameraInput> cameras;
+  std::vector<fs::path> empty;
+  for (const fs::path& folder : FoldersIn(path)) {
+    if (!JsonFilesIn(folder).empty()) {
+      cameras.push_back({CameraNameOf(folder), folder});
+    } else if (IsEmptyFolder(folder)) {
+      empty.push_back(folder);
+    }
+  }
+  if (!cameras.empty()) {
+    if (!empty.empty()) {
+      ThrowBadInput({empty.front().string(), "", "one JSON file a frame", "an empty folder",
+                     "remove it, or run the detector on that camera again"});
+    }
+    return cameras;
+  }
+  if (files.empty()) {
+    ThrowBadInput({path.string(), "", "one JSON file a frame, or a sub-folder of those for each camera",
+                   IsEmptyFolder(path) ? "an empty folder" : "no JSON file", kFolderAdvice});
+  }
+  return {{CameraNameOf(path), path}};
+}
+
+DetectedCamera ReadOpenPose(const CameraInput& input) {
+  const std::vector<fs::path> files = JsonFilesIn(input.path);
+  if (files.empty()) {
+    ThrowBadInput({input.path.string(), "", "one JSON file a frame", "no JSON file", kFolderAdvice});
+  }
+  CameraBuilder builder(input);
+  Progress progress("reading " + input.name, std::ssize(files));
+  long done = 0;
+  for (const fs::path& file : files) {
+    ReadFrame(file, builder);
+    progress.Update(++done, "");
+  }
+  // An image without people has a file of its own, so a gap in the numbers is a lost file and not for us to fill.
+  return builder.Finish(false);
+}
+
+}  // namespace canonpose

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "canonpose/base/testing.h"
+#include "canonpose/train/adam.h"
 #include "canonpose/train/losses.h"
 
 namespace canonpose {
@@ -79,7 +80,9 @@ class GoldenCase {
   }
 
   void CheckTraining() {
-    torch::optim::Adam adam(lifter_->parameters(), torch::optim::AdamOptions(1e-4).weight_decay(1e-5));
+    std::vector<std::pair<std::string, torch::Tensor>> parameters;
+    for (const auto& item : lifter_->named_parameters()) parameters.emplace_back(item.key(), item.value());
+    Adam adam(parameters, 1e-5);
     int step = 0;
     for (const json& expected : golden_["losses_per_step"]) {
       const Losses losses = Evaluate();
@@ -87,12 +90,11 @@ class GoldenCase {
       CheckLoss(losses.view, expected["view"], step);
       CheckLoss(losses.camera, expected["camera"], step);
       CheckLoss(losses.total, expected["total"], step);
-      adam.zero_grad();
       losses.total.backward();
       if (step == 0) {
         CheckSummaries(golden_["gradients_step0"], [](const torch::Tensor& p) { return p.grad(); }, "gradient of ");
       }
-      adam.step();
+      adam.Step(1e-4);
       ++step;
     }
     CheckSummaries(golden_["parameters_after_4_steps"], [](const torch::Tensor& p) { return p.detach(); }, "updated ");

@@ -26,7 +26,7 @@ void AddViewPairs(const std::vector<const TrainingFrame*>& frames, const RowTabl
   for (std::size_t n = 0; n < frames.size(); ++n) {
     const auto views = static_cast<std::int64_t>(frames[n]->views.size());
     if (views < 2) continue;
-    const float weight = 1.0F / (static_cast<float>(frames.size()) * static_cast<float>(views - 1));
+    const double weight = 1.0 / (static_cast<double>(frames.size()) * static_cast<double>(views - 1));
     for (std::int64_t i = 0; i < views; ++i) {
       for (std::int64_t j = 0; j < views; ++j) {
         if (i == j) continue;
@@ -60,7 +60,7 @@ void AddCameraPairs(const CaptureRows& capture, std::size_t cameras, const DrawP
       }
     }
     const std::size_t count = pairs.size() - first;
-    pairs.weight.insert(pairs.weight.end(), count, count == 0 ? 0.0F : 1.0F / static_cast<float>(count));
+    pairs.weight.insert(pairs.weight.end(), count, count == 0 ? 0.0 : 1.0 / static_cast<double>(count));
   }
 }
 
@@ -77,7 +77,7 @@ torch::Tensor SeenNorm(const torch::Tensor& points, const torch::Tensor& seen) {
 
 torch::Tensor WeightedError(const torch::Tensor& rotated, const PairList& pairs, const BatchTensors& batch,
                             const torch::Tensor& targets, const torch::Tensor& perspective, int root) {
-  const torch::Tensor weight = torch::tensor(pairs.weight, torch::kFloat32).to(rotated.options());
+  const torch::Tensor weight = torch::tensor(pairs.weight, torch::kFloat64).to(rotated.options());
   const torch::Tensor errors = PairErrors(Project(rotated, perspective, root), batch.keypoints.index_select(0, targets),
                                           batch.confidence.index_select(0, targets));
   return (errors * weight).sum();
@@ -92,7 +92,7 @@ BatchPairs MakeBatchPairs(const std::vector<const TrainingFrame*>& frames, const
   for (std::int64_t row = 0; row < rows.row_count; ++row) {
     pairs.reprojection.source.push_back(row);
     pairs.reprojection.target.push_back(row);
-    pairs.reprojection.weight.push_back(1.0F / static_cast<float>(rows.row_count));
+    pairs.reprojection.weight.push_back(1.0 / static_cast<double>(rows.row_count));
   }
   AddViewPairs(frames, rows, pairs.view);
   if (!with_camera_loss) return pairs;

@@ -24,7 +24,7 @@ namespace canonpose {
 struct PairList {
   std::vector<std::int64_t> source;  ///< row whose canonical pose is used
   std::vector<std::int64_t> target;  ///< row it is compared with
-  std::vector<float> weight;         ///< weight of the pair in the loss
+  std::vector<double> weight;       ///< weight of the pair in the loss
   /// Camera consistency only: the pose is first turned into view `source` by its own rotation, then by the relative rotation
   /// R[to] * R[from]^T of another frame. Empty otherwise, where the rotation is that of `target`.
   std::vector<std::int64_t> to;

@@ -1,0 +1,78 @@
+// The measures of 3D human pose estimation, as pure functions of a predicted and a true pose.
+//
+//   N-MPJPE  mean distance of joints after both poses are centred on the root and the predicted one is scaled by the
+//   least-squares
+//            factor <P, G> / <P, P> (Rhodin et al. 2018)
+//   PMPJPE   mean distance after the best similarity without reflection, so that a mirrored pose scores badly
+//   PCK150   share of joints less than 150 mm off after the scale adjustment of N-MPJPE
+//   AUC      mean of PCK over the thresholds 0, 5, ..., 150 mm, as in the evaluation script of MPI-INF-3DHP
+//   CPS      area under the share of poses whose largest joint error after similarity alignment is below a threshold of
+//   0 to
+//            300 mm (Wandt et al. 2021); exactly, the mean of max(0, 300 - largest error)
+//
+// The first four are means over all joints of all poses, the root included; CPS is a mean over poses.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace canonpose {
+
+/// Which joints take part.
+struct MetricJoints {
+  int root = 0;
+  std::vector<bool> included;  ///< (J) those left out take no part in scale and alignment either
+
+  static MetricJoints All(int joint_count, int root) {
+    return {root, std::vector<bool>(static_cast<std::size_t>(joint_count), true)};
+  }
+};
+
+enum class PoseOutcome {
+  kEvaluated,
+  kTruthUnusable,      ///< the root, or more than half of the joints, or all but three, are unknown
+  kPredictionMissing,  ///< the prediction is NaN at the root or at a joint whose truth is known
+};
+
+/// Distances of the joints of one pose; NaN for joints that are left out or unknown.
+struct PoseErrors {
+  PoseOutcome outcome = PoseOutcome::kTruthUnusable;
+  std::vector<double> scaled_mm;   ///< (J) after root-centring and scale adjustment
+  std::vector<double> aligned_mm;  ///< (J) after similarity alignment
+};
+
+/// The least number of known joints among `included_count` for a pose to be evaluated: half of them, and four where
+/// there are as many, since three points are aligned too easily.
+int LeastKnownJoints(int included_count);
+
+/// `predicted` is (J, 3) in any unit, `truth` (J, 3) in mm, in the same frame; NaN where unknown.
+PoseErrors ComparePoses(const float* predicted, const float* truth, const MetricJoints& joints);
+
+/// Means over poses and joints; NaN where nothing was added.
+struct Metrics {
+  std::int64_t poses = 0;
+  double n_mpjpe_mm = 0.0;
+  double p_mpjpe_mm = 0.0;
+  double pck150_percent = 0.0;
+  double auc_percent = 0.0;
+  double cps = 0.0;
+};
+
+/// Sums up the errors of many poses; nothing is kept of a single one.
+class MetricSum {
+ public:
+  /// Takes poses whose outcome is kEvaluated.
+  void Add(const PoseErrors& errors);
+  [[nodiscard]] Metrics Mean() const;
+
+ private:
+  std::int64_t poses_ = 0;
+  std::int64_t joints_ = 0;
+  double scaled_mm_ = 0.0;
+  double aligned_mm_ = 0.0;
+  double correct150_ = 0.0;
+  double area_ = 0.0;
+  double cps_ = 0.0;
+};
+
+}  // namespace canonpose

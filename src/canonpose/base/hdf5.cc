@@ -143,7 +143,7 @@ std::vector<std::string> Group::GetStrings(const std::string& name) const {
   std::vector<std::string> values;
   if (H5Tis_variable_str(type) > 0) {
     std::vector<char*> pointers(count, nullptr);
-    if (H5Aread(attribute, type, pointers.data()) < 0) Fail(place, "text", "damaged data", "");
+    if (count > 0 && H5Aread(attribute, type, pointers.data()) < 0) Fail(place, "text", "damaged data", "");
     for (const char* pointer : pointers) values.emplace_back(pointer == nullptr ? "" : pointer);
     H5Dvlen_reclaim(type, space, H5P_DEFAULT, pointers.data());
   } else {
@@ -173,7 +173,7 @@ std::vector<T> ReadNumbers(hid_t attribute, bool* ok) {
     *ok = H5Tget_size(type) == 1 && H5Aread(attribute, type, raw.data()) >= 0;
     std::copy(raw.begin(), raw.end(), values.begin());
   } else {
-    *ok = IsNumber(type) && H5Aread(attribute, MemoryType<T>(), values.data()) >= 0;
+    *ok = IsNumber(type) && (values.empty() || H5Aread(attribute, MemoryType<T>(), values.data()) >= 0);
   }
   return values;
 }
@@ -238,7 +238,8 @@ void WriteAttribute(hid_t owner, const fs::path& path, const std::string& name, 
                     hid_t space, const void* data) {
   errno = 0;
   Id attribute(H5Acreate2(owner, name.c_str(), file_type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  if (!attribute.valid() || H5Awrite(attribute, memory_type, data) < 0) ThrowWriteFailed(path);
+  const bool is_empty = H5Sget_simple_extent_npoints(space) == 0;  // which H5Awrite refuses
+  if (!attribute.valid() || (!is_empty && H5Awrite(attribute, memory_type, data) < 0)) ThrowWriteFailed(path);
 }
 
 Id SpaceFor(std::size_t count) {
@@ -291,11 +292,13 @@ void Group::Write(const std::string& name, std::span<const T> values, const std:
   constexpr std::size_t kChunkBytes = 1 << 20;
   errno = 0;
   const std::vector<hsize_t> dimensions(shape.begin(), shape.end());
-  const Id space(H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr), H5Sclose);
+  const Id space(shape.empty() ? H5Screate(H5S_SCALAR)
+                               : H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr),
+                 H5Sclose);
   const Id properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   // Without this the file holds the time it was written, and the same result has other bits every time.
   H5Pset_obj_track_times(properties, 0);
-  if (!values.empty()) {
+  if (!values.empty() && !shape.empty()) {
     std::vector<hsize_t> chunk = dimensions;
     const std::size_t row_bytes = values.size_bytes() / shape.front();
     chunk.front() = std::clamp<hsize_t>(kChunkBytes / std::max<std::size_t>(1, row_bytes), 1, dimensions.front());

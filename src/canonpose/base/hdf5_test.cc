@@ -26,9 +26,12 @@ void WriteExample(const std::filesystem::path& path, std::size_t rows = 3) {
   group.SetStrings("names", {"a", "bé", ""});
   group.SetInts("numbers", {1, -2});
   group.SetDouble("ratio", 0.5);
+  group.SetStrings("no names", {});
+  group.SetInts("no numbers", {});
   std::vector<float> values(rows * 2, 1.5F);
   group.Write<float>("values", values, {rows, 2});
   group.Write<float>("nothing", {}, {0, 2});
+  group.Write<float>("scalar", std::vector<float>{2.5F}, {});
   file.Commit();
 }
 
@@ -43,10 +46,14 @@ TEST(Hdf5, RoundTrip) {
   EXPECT_THAT(group.GetStrings("names"), ElementsAre("a", "bé", ""));
   EXPECT_THAT(group.GetInts("numbers"), ElementsAre(1, -2));
   EXPECT_EQ(group.GetDouble("ratio"), 0.5);
+  EXPECT_TRUE(group.GetStrings("no names").empty());
+  EXPECT_TRUE(group.GetInts("no numbers").empty());
   const Array<double> values = group.Read<double>("values");
   EXPECT_THAT(values.shape, ElementsAre(3U, 2U));
   EXPECT_THAT(values.values, ElementsAre(1.5, 1.5, 1.5, 1.5, 1.5, 1.5));
   EXPECT_THAT(group.Shape("nothing"), ElementsAre(0U, 2U));
+  EXPECT_THAT(group.Read<float>("scalar").values, ElementsAre(2.5F));
+  EXPECT_TRUE(group.Shape("scalar").empty());
 }
 
 TEST(Hdf5, SameContentsSameBits) {

@@ -1,0 +1,115 @@
+// canonpose train data.h5... -o RUN
+#include <csignal>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "canonpose/base/error.h"
+#include "canonpose/base/log.h"
+#include "canonpose/base/progress.h"
+#include "canonpose/cli/commands.h"
+#include "canonpose/data/dataset.h"
+#include "canonpose/train/trainer.h"
+
+namespace canonpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What was given on the command line; what was not keeps the preset's value.
+struct Arguments {
+  std::vector<fs::path> data;
+  fs::path run_folder;
+  std::string frames;
+  bool resume = false;
+  bool overwrite = false;
+  /// Options by field name, in the order in which they apply.
+  std::string preset;
+  std::vector<std::pair<std::string, std::string>> named;
+  std::vector<std::string> settings;
+};
+
+void Apply(const Arguments& arguments, TrainOptions& options) {
+  for (const auto& [name, value] : arguments.named) options.Set(name, value);
+  for (const std::string& setting : arguments.settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos) ThrowUsage("--set: expected key=value, found \"{}\"", setting);
+    options.Set(setting.substr(0, equals), setting.substr(equals + 1));
+  }
+}
+
+/// A resumed run keeps the options it was started with; what is given again must agree with them.
+TrainOptions ResolveOptions(const Arguments& arguments) {
+  std::optional<TrainOptions> recorded;
+  if (arguments.resume) recorded = RecordedOptions(arguments.run_folder);
+  TrainOptions options = PresetOptions(arguments.preset.empty() ? "plus" : arguments.preset);
+  if (recorded) {
+    options = *recorded;
+    if (!arguments.preset.empty()) options.preset = arguments.preset;
+  }
+  Apply(arguments, options);
+  if (recorded) {
+    for (const std::string& name : options.Differences(*recorded)) {
+      ThrowUsage("{} was started with {} = {}, not {}: leave the option out to go on with it, or train into another folder",
+                 arguments.run_folder.string(), name, recorded->Get(name), options.Get(name));
+    }
+  }
+  options.Validate();
+  return options;
+}
+
+void RunTrain(const Arguments& arguments) {
+  TrainJob job;
+  job.options = ResolveOptions(arguments);
+  job.run_folder = arguments.run_folder;
+  job.resume = arguments.resume;
+  job.overwrite = arguments.overwrite;
+  for (const fs::path& path : arguments.data) {
+    job.datasets.push_back(ReadDataset(path));
+    job.data_files.push_back(path.filename().string());
+    if (!arguments.frames.empty()) KeepFrames(job.datasets.back(), FrameRange::Parse(arguments.frames), path.string());
+  }
+
+  const TrainReport report = Train(job);
+  if (report.interrupted_by != 0) {
+    LogInfo("stopped and saved; to go on, run the same command with --resume");
+    throw CLI::RuntimeError(128 + report.interrupted_by);
+  }
+  const std::string perspective =
+      job.options.perspective == "learned" ? fmt::format(", perspective factor {:.2f}", report.model.perspective) : "";
+  LogInfo("trained {} steps in {}{}{}; the model is {}", report.model.steps, FormatDuration(report.seconds),
+          report.validation_loss ? fmt::format(", validation loss {:.4f}", *report.validation_loss) : "", perspective,
+          (job.run_folder / "model.cpm").string());
+}
+
+}  // namespace
+
+void AddTrainCommand(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("train", "Train a lifter on datasets, without labels or calibration");
+  command->add_option("data", arguments->data, "Dataset files made by import or simulate")->required();
+  command->add_option("-o,--output", arguments->run_folder, "Folder for the model, checkpoints and logs")->required();
+  command->add_option("--preset", arguments->preset, fmt::format("One of {} (default plus)", PresetNames()));
+  // These are --set with a name of their own.
+  const auto add = [&](const std::string& option, const std::string& field, const std::string& help) {
+    command->add_option_function<std::string>(
+        option, [arguments, field](const std::string& value) { arguments->named.emplace_back(field, value); }, help);
+  };
+  add("--epochs", "epochs", "Times to go through the data (default 100, more for small recordings)");
+  add("--width", "width", "Width of the network's layers (default 1024)");
+  add("--device", "device", "cpu or cuda (default cpu)");
+  add("--seed", "seed", "Seed of all randomness (default 0)");
+  add("--mirror", "mirror", "auto: decide by perspective; keep or flip: by your choice (default auto)");
+  add("--threads", "threads", "Number of threads (default: all)");
+  command->add_option("--frames", arguments->frames, "Train on frames A-B of each sequence only, counted from 0");
+  command->add_flag("--resume", arguments->resume, "Go on with the run in the output folder where there is one");
+  command->add_flag("--overwrite", arguments->overwrite, "Replace the run in the output folder");
+  command->add_option("--set", arguments->settings, "key=value for any training option; an unknown key lists them")
+      ->allow_extra_args(false);
+  command->callback([arguments] { RunTrain(*arguments); });
+}
+
+}  // namespace canonpose

@@ -19,12 +19,12 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Above this a layout does not fit: right ones measure up to 1.4, wrong ones from 1.95 on.
-constexpr double kLargestTreeRatio = 1.75;
-/// The lower quartile of a few frames may be an unlucky one.
-constexpr double kLargestTreeRatioOfFewFrames = 2.2;
+/// Above this misfit a layout does not fit: right ones measure up to 1.7, wrong ones from 2.7 on.
+constexpr double kLargestMisfit = 2.4;
+/// The quartiles of a few frames may be unlucky ones.
+constexpr double kLargestMisfitOfFewFrames = 3.2;
 constexpr int kFewFrames = 10;
-/// A layout is clearly better than another where its tree is shorter by this factor.
+/// A layout is clearly better than another where its misfit is smaller by this factor.
 constexpr double kClearlyBetter = 1.25;
 /// Fewer joints seen at once say nothing.
 constexpr int kFewestJoints = 7;
@@ -109,6 +109,49 @@ std::optional<int> FindAny(const Skeleton& layout, std::initializer_list<std::st
   return std::nullopt;
 }
 
+/// Lengths of a layout's edges relative to the person's size, over frames.
+class EdgeLengths {
+ public:
+  explicit EdgeLengths(const Skeleton& layout) : layout_(layout), lengths_(layout.joints.size()) {}
+
+  void Add(const SeenJoints& seen) {
+    Vector2d low = seen.points.front();
+    Vector2d high = low;
+    for (const Vector2d& point : seen.points) {
+      low = low.cwiseMin(point);
+      high = high.cwiseMax(point);
+    }
+    const double size = (high - low).norm();
+    for (std::size_t j = 0; j < lengths_.size(); ++j) {
+      const int parent = layout_.parents[j];
+      if (parent < 0 || seen.index[j] < 0 || seen.index[static_cast<std::size_t>(parent)] < 0) continue;
+      const Vector2d& end = seen.points[static_cast<std::size_t>(seen.index[static_cast<std::size_t>(parent)])];
+      lengths_[j].push_back((seen.points[static_cast<std::size_t>(seen.index[j])] - end).norm() / size);
+    }
+  }
+
+  /// Sum |l - r| / sum (l + r) over the edges that have a partner. The upper quartile over frames evens out
+  /// foreshortening.
+  [[nodiscard]] double Asymmetry() const {
+    double difference = 0.0;
+    double sum = 0.0;
+    for (std::size_t j = 0; j < lengths_.size(); ++j) {
+      const auto partner = static_cast<std::size_t>(layout_.mirror[j]);
+      if (partner <= j || lengths_[j].empty() || lengths_[partner].empty()) continue;
+      if (layout_.parents[partner] != layout_.mirror[static_cast<std::size_t>(layout_.parents[j])]) continue;
+      const double one = Quantile(lengths_[j], 0.75);
+      const double other = Quantile(lengths_[partner], 0.75);
+      difference += std::abs(one - other);
+      sum += one + other;
+    }
+    return sum > 0.0 ? difference / sum : 0.0;
+  }
+
+ private:
+  const Skeleton& layout_;
+  std::vector<std::vector<double>> lengths_;
+};
+
 /// Three joints in a row down a limb.
 using Limb = std::array<int, 3>;
 
@@ -146,7 +189,7 @@ std::vector<LayoutFit> MeasureAll(std::span<const KeypointClip> clips) {
     if (layout.joint_count() == clips.front().keypoint_count) fits.push_back(MeasureLayout(layout, clips));
   }
   std::stable_sort(fits.begin(), fits.end(),
-                   [](const LayoutFit& a, const LayoutFit& b) { return a.tree_ratio < b.tree_ratio; });
+                   [](const LayoutFit& a, const LayoutFit& b) { return a.misfit() < b.misfit(); });
   return fits;
 }
 
@@ -158,15 +201,23 @@ std::string LayoutsByCount() {
   return text;
 }
 
-/// "body_25b (its limbs are 1.2 times the shortest tree)" for messages.
-std::string Measured(const LayoutFit& fit) {
-  return fmt::format("{} (limbs {:.1f} times as long as the joints allow)", fit.layout->name, fit.tree_ratio);
+/// What a layout makes of the keypoints, for messages.
+std::string Describe(const LayoutFit& fit) {
+  return fmt::format("as {} limbs are {:.1f} times as long as they need be, left and right {:.0f} % apart",
+                     fit.layout->name, fit.tree_ratio, 100.0 * fit.asymmetry);
+}
+
+/// Refuses a layout where another is clearly better.
+[[noreturn]] void ThrowOtherFits(const KeypointClip& clip, const LayoutFit& wrong, const LayoutFit& right,
+                                 const std::string& advice) {
+  ThrowBadInput({clip.path, "", fmt::format("keypoints in the layout {}", wrong.layout->name),
+                 fmt::format("those of {} ({}; {})", right.layout->name, Describe(wrong), Describe(right)), advice});
 }
 
 [[noreturn]] void ThrowNothingFits(const KeypointClip& clip, const LayoutFit& best) {
   ThrowBadInput({clip.path, "",
                  fmt::format("the joints of a person in the order of a layout with {} keypoints", clip.keypoint_count),
-                 fmt::format("an order that fits none; the nearest is {}", Measured(best)),
+                 fmt::format("an order that fits none: {}", Describe(best)),
                  "the joints are shuffled, or from a layout that is not known"});
 }
 
@@ -176,12 +227,12 @@ void CheckEachCamera(std::span<const KeypointClip> clips, const Skeleton& layout
     const LayoutFit best = MeasureAll(std::span(&clip, 1)).front();
     const LayoutFit chosen = MeasureLayout(layout, std::span(&clip, 1));
     if (chosen.frames == 0 || chosen.fits()) continue;
-    if (!best.fits() || chosen.tree_ratio < kClearlyBetter * best.tree_ratio) {
-      LogWarning("{}: {}; look at its detections", clip.name, Measured(chosen));
+    if (!best.fits() || chosen.misfit() < kClearlyBetter * best.misfit()) {
+      LogWarning("{}: {}; look at its detections", clip.name, Describe(chosen));
       continue;
     }
-    ThrowBadInput({clip.path, "", fmt::format("keypoints in the layout {}", layout.name), Measured(best),
-                   fmt::format("all cameras must have one layout; camera {} has another", clip.name)});
+    ThrowOtherFits(clip, chosen, best,
+                   fmt::format("all cameras must have one layout; camera {} has another", clip.name));
   }
 }
 
@@ -208,7 +259,7 @@ void WarnOfOddLimbs(const LayoutFit& fit) {
 }  // namespace
 
 bool LayoutFit::fits() const {
-  return frames > 0 && tree_ratio <= (frames < kFewFrames ? kLargestTreeRatioOfFewFrames : kLargestTreeRatio);
+  return frames > 0 && misfit() <= (frames < kFewFrames ? kLargestMisfitOfFewFrames : kLargestMisfit);
 }
 
 LayoutFit MeasureLayout(const Skeleton& layout, std::span<const KeypointClip> clips) {
@@ -217,6 +268,7 @@ LayoutFit MeasureLayout(const Skeleton& layout, std::span<const KeypointClip> cl
   const std::size_t stride = std::max<std::size_t>(1, total / kMostFrames);
   const std::vector<Limb> legs = Limbs(layout, true);
   const std::vector<Limb> arms = Limbs(layout, false);
+  EdgeLengths edges(layout);
   std::vector<double> tree_ratios;
   std::vector<double> leg_ratios;
   std::vector<double> arm_ratios;
@@ -225,7 +277,10 @@ LayoutFit MeasureLayout(const Skeleton& layout, std::span<const KeypointClip> cl
     for (std::size_t frame = 0; frame < clip.frame_numbers.size(); frame += stride) {
       const SeenJoints seen = Seen(clip, frame);
       const double ratio = TreeRatio(layout, seen);
-      if (ratio > 0.0) tree_ratios.push_back(ratio);
+      if (ratio > 0.0) {
+        tree_ratios.push_back(ratio);
+        edges.Add(seen);
+      }
       AddLimbRatios(legs, seen, leg_ratios);
       AddLimbRatios(arms, seen, arm_ratios);
     }
@@ -234,6 +289,7 @@ LayoutFit MeasureLayout(const Skeleton& layout, std::span<const KeypointClip> cl
   fit.layout = &layout;
   fit.frames = static_cast<int>(tree_ratios.size());
   fit.tree_ratio = Quantile(tree_ratios, 0.25);
+  fit.asymmetry = edges.Asymmetry();
   fit.thigh_to_shank = Quantile(leg_ratios, 0.5);
   fit.upper_arm_to_forearm = Quantile(arm_ratios, 0.5);
   return fit;
@@ -252,24 +308,21 @@ const Skeleton& CheckLayout(std::span<const KeypointClip> clips, const std::stri
   const bool is_measured = best.frames > 0;
   if (is_measured && !best.fits()) ThrowNothingFits(first, best);
   if (layout == nullptr) {
-    const bool is_decided = fits.size() == 1 || (is_measured && fits[1].tree_ratio > kClearlyBetter * best.tree_ratio);
+    const bool is_decided = fits.size() == 1 || (is_measured && fits[1].misfit() > kClearlyBetter * best.misfit());
     if (!is_decided) {
       ThrowBadInput({first.path, "", fmt::format("--layout {} or {}", best.layout->name, fits[1].layout->name),
                      fmt::format("{} keypoints, and too few joints seen to tell which", first.keypoint_count),
                      "name the layout"});
     }
     layout = best.layout;
-    LogInfo("layout {}: {} keypoints{}", layout->name, first.keypoint_count,
-            fits.size() == 1 ? ""
-                             : fmt::format(", and the limbs of a person (as {} they would be {:.1f} times as long)",
-                                           fits[1].layout->name, fits[1].tree_ratio / best.tree_ratio));
+    LogInfo("layout {}, as there are {} keypoints{}", layout->name, first.keypoint_count,
+            fits.size() == 1 ? "" : fmt::format(" in the order of a person ({})", Describe(fits[1])));
   }
   const auto chosen =
       std::find_if(fits.begin(), fits.end(), [&](const LayoutFit& fit) { return fit.layout == layout; });
-  const bool is_refuted = is_measured && chosen->tree_ratio > kClearlyBetter * best.tree_ratio;
+  const bool is_refuted = is_measured && chosen->misfit() > kClearlyBetter * best.misfit();
   if (is_refuted) {
-    ThrowBadInput({first.path, "", fmt::format("keypoints in the layout {}", layout->name), Measured(best),
-                   fmt::format("use --layout {}, or leave it out", best.layout->name)});
+    ThrowOtherFits(first, *chosen, best, fmt::format("use --layout {}, or leave it out", best.layout->name));
   }
   if (!is_measured) LogWarning("too few joints are seen together to check that the layout is {}", layout->name);
   if (is_measured) CheckEachCamera(clips, *layout);

@@ -90,7 +90,10 @@ std::vector<CameraInput> FindFileCameras(const fs::path& path, IsFrameFile is_fr
   std::vector<CameraInput> cameras = CamerasInFolder(path, is_frame_file);
   if (!cameras.empty()) return cameras;
   for (const fs::path& folder : FoldersIn(path)) {
-    const std::vector<CameraInput> inside = CamerasInFolder(folder, is_frame_file);
+    std::vector<CameraInput> inside = CamerasInFolder(folder, is_frame_file);
+    // A camera's output folder may hold its frames in a folder of their own (sep-json).
+    const std::vector<fs::path> inner = inside.empty() ? FoldersIn(folder) : std::vector<fs::path>();
+    if (inner.size() == 1) inside = CamerasInFolder(inner.front(), is_frame_file);
     if (inside.size() > 1) {
       ThrowBadInput({folder.string(), "", "one camera in each sub-folder", fmt::format("{} files", inside.size()),
                      "name the cameras with --camera NAME=PATH"});
@@ -98,7 +101,9 @@ std::vector<CameraInput> FindFileCameras(const fs::path& path, IsFrameFile is_fr
     if (!inside.empty()) cameras.push_back({CameraNameOf(folder), inside.front().path});
   }
   if (cameras.empty()) {
-    ThrowBadInput({path.string(), "", "a JSON file for each camera", "no JSON file", "check the path"});
+    const bool is_empty = fs::is_empty(path, error) && !error;
+    ThrowBadInput({path.string(), "", "a JSON file for each camera", is_empty ? "an empty folder" : "no JSON file",
+                   "check the path"});
   }
   return cameras;
 }

@@ -26,7 +26,9 @@ JsonValue InstanceList(const JsonValue& root) {
 
 /// Whether a list holds the people of one image rather than the frames of a video. An empty one is an image without
 /// people.
-bool IsImage(const JsonValue& list) { return list.ArraySize() == 0 || list.At(0).Has("keypoints"); }
+bool IsImage(const JsonValue& list) {
+  return list.ArraySize() == 0 || (list.At(0).Has("keypoints") && !list.At(0).Has("image_id"));
+}
 
 bool IsFrameFileOfMmpose(const fs::path& file) {
   const JsonValue root = JsonValue::Load(file);

@@ -5,6 +5,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/progress.h"
+#include "canonpose/data/readers/flat_list.h"
 #include "canonpose/data/readers/json.h"
 
 namespace canonpose {
@@ -36,6 +37,7 @@ std::vector<double> BodyTriples(const JsonValue& person) {
 void ReadFrame(const fs::path& path, CameraBuilder& builder) {
   const JsonValue root = JsonValue::Load(path);
   const std::string& file = root.file();
+  if (!root.Has("people")) root.Fail("an object with people", AdviseFormat(root));
   const JsonValue people = root["people"];
   const std::size_t count = people.ArraySize();
   const std::string name = path.filename().string();

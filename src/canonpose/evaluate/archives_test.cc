@@ -1,0 +1,101 @@
+#include "canonpose/evaluate/archives.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "canonpose/base/testing.h"
+#include "canonpose/data/npz.h"
+#include "canonpose/skeleton/skeleton.h"
+
+namespace canonpose {
+namespace {
+
+using ::testing::AllOf;
+using testing::ErrorOf;
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+/// Two poses of 16 joints, the second with the joint `moved` shifted by 1000 mm times `scale`.
+void WritePoses(const std::filesystem::path& path, float scale, int moved, const std::vector<std::string>& joints) {
+  std::vector<float> poses;
+  for (int i = 0; i < 2 * 16; ++i) {
+    const auto joint = static_cast<float>(i % 16);
+    poses.insert(poses.end(), {scale * 50.0F * joint, scale * joint * joint, scale * (i % 3 == 0 ? 100.0F : -60.0F)});
+  }
+  if (moved >= 0) poses[static_cast<std::size_t>(3 * (16 + moved))] += 1000.0F * scale;
+  NpzWriter writer(path);
+  writer.Add("pose3d", poses, {2, 16, 3});
+  if (!joints.empty()) writer.AddStrings("joints", joints);
+  writer.Commit();
+}
+
+TEST(ArchivesTest, AnyScaleIsAsGood) {
+  const TemporaryFolder folder;
+  WritePoses(folder / "truth.npz", 1.0F, -1, {});
+  WritePoses(folder / "predicted.npz", 0.001F, -1, {});
+  const EvaluationReport report = EvaluateArchives(folder / "predicted.npz", folder / "truth.npz", {});
+  EXPECT_EQ(report.metrics.poses, 2);
+  EXPECT_LT(report.metrics.n_mpjpe_mm, 0.01);
+  EXPECT_NEAR(report.metrics.cps, 300.0, 0.1);
+  EXPECT_EQ(report.joints.front(), "0");
+  EXPECT_EQ(report.per_sequence.count("truth"), 1U);
+}
+
+TEST(ArchivesTest, TheRootComesFromTheNamesOrTheUser) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> joints = FindSkeleton("canonpose-16")->joints;
+  WritePoses(folder / "truth.npz", 1.0F, -1, joints);
+  WritePoses(folder / "predicted.npz", 1.0F, 6, {});
+  EvaluationReport report = EvaluateArchives(folder / "predicted.npz", folder / "truth.npz", {});
+  EXPECT_THAT(report.protocol, HasSubstr("root (root)"));
+  EXPECT_LT(report.per_joint[6].second.n_mpjpe_mm, 1e-6) << "the root has no error of its own";
+  ArchiveOptions options;
+  options.root = 3;
+  report = EvaluateArchives(folder / "predicted.npz", folder / "truth.npz", options);
+  EXPECT_GT(report.per_joint[6].second.n_mpjpe_mm, 100.0);
+  options.root = 16;
+  EXPECT_THAT(
+      ErrorOf(ExitCode::kUsage, [&] { EvaluateArchives(folder / "predicted.npz", folder / "truth.npz", options); }),
+      HasSubstr("0 to 15"));
+}
+
+TEST(ArchivesTest, RowsAndJointsAreChosen) {
+  const TemporaryFolder folder;
+  WritePoses(folder / "truth.npz", 1.0F, -1, {});
+  WritePoses(folder / "predicted.npz", 1.0F, 5, {});
+  ArchiveOptions options;
+  options.frames = {0, 0};
+  EvaluationReport report = EvaluateArchives(folder / "predicted.npz", folder / "truth.npz", options);
+  EXPECT_EQ(report.metrics.poses, 1);
+  EXPECT_LT(report.metrics.n_mpjpe_mm, 1e-6);
+  options.frames = {};
+  options.left_out = {"5"};
+  report = EvaluateArchives(folder / "predicted.npz", folder / "truth.npz", options);
+  EXPECT_LT(report.metrics.n_mpjpe_mm, 1e-6);
+  options.frames = {2, 9};
+  EXPECT_THAT(
+      ErrorOf(ExitCode::kBadInput, [&] { EvaluateArchives(folder / "predicted.npz", folder / "truth.npz", options); }),
+      HasSubstr("poses from 2 on"));
+}
+
+TEST(ArchivesTest, ArchivesThatDoNotBelongTogetherAreRefused) {
+  const TemporaryFolder folder;
+  std::vector<std::string> joints = FindSkeleton("canonpose-16")->joints;
+  WritePoses(folder / "truth.npz", 1.0F, -1, joints);
+  std::swap(joints[0], joints[3]);
+  WritePoses(folder / "other.npz", 1.0F, -1, joints);
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { EvaluateArchives(folder / "other.npz", folder / "truth.npz", {}); }),
+              HasSubstr("same order"));
+  NpzWriter fewer(folder / "fewer.npz");
+  fewer.Add("pose3d", std::vector<float>(48, 1.0F), {1, 16, 3});
+  fewer.Commit();
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { EvaluateArchives(folder / "fewer.npz", folder / "truth.npz", {}); }),
+              AllOf(HasSubstr("(2, 16, 3)"), HasSubstr("(1, 16, 3)")));
+  NpzWriter flat(folder / "flat.npz");
+  flat.Add("pose3d", std::vector<float>(48, 1.0F), {1, 48});
+  flat.Commit();
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadPoseArchive(folder / "flat.npz"); }), HasSubstr("(1, 48)"));
+}
+
+}  // namespace
+}  // namespace canonpose

@@ -1,0 +1,45 @@
+#include <cmath>
+#include <iterator>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/export/lift_output.h"
+
+namespace canonpose {
+namespace {
+
+/// A cell as RFC 4180 has it: in quotes where it holds what separates cells.
+std::string Cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+}  // namespace
+
+void WriteLiftCsv(const std::filesystem::path& path, const LiftOutput& output) {
+  const bool has_time = output.fps > 0.0;
+  std::string text = has_time ? "frame,time [s]" : "frame";
+  for (const std::string& joint : output.joints) {
+    for (const char axis : {'x', 'y', 'z'}) text += ',' + Cell(fmt::format("{}_{} [{}]", joint, axis, output.units));
+  }
+  text += '\n';
+  const std::size_t row = 3 * output.joints.size();
+  const auto out = std::back_inserter(text);
+  for (std::size_t t = 0; t < output.frames.size(); ++t) {
+    fmt::format_to(out, "{}", output.frames[t]);
+    if (has_time) fmt::format_to(out, ",{:.6f}", static_cast<double>(output.frames[t]) / output.fps);
+    for (std::size_t i = 0; i < row; ++i) {
+      const float value = output.pose3d[t * row + i];
+      text += ',';
+      if (std::isfinite(value)) fmt::format_to(out, "{}", value);
+    }
+    text += '\n';
+  }
+  WriteFileAtomically(path, text);
+}
+
+}  // namespace canonpose

@@ -1,0 +1,58 @@
+#include <cmath>
+#include <iterator>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/export/lift_output.h"
+
+namespace canonpose {
+namespace {
+
+/// (T, rows, 3) as nested arrays, one frame a line. Written by hand, since the library would print floats as doubles.
+void AppendArray(std::string& text, const std::string& key, const std::vector<float>& values, std::size_t frames,
+                 std::size_t rows) {
+  text += fmt::format("  \"{}\": [", key);
+  const auto out = std::back_inserter(text);
+  std::size_t i = 0;
+  for (std::size_t t = 0; t < frames; ++t) {
+    text += t == 0 ? "\n    [" : ",\n    [";
+    for (std::size_t r = 0; r < rows; ++r) {
+      text += r == 0 ? "[" : ", [";
+      for (int axis = 0; axis < 3; ++axis, ++i) {
+        if (axis > 0) text += ", ";
+        if (std::isfinite(values[i])) {
+          fmt::format_to(out, "{}", values[i]);
+        } else {
+          text += "null";
+        }
+      }
+      text += ']';
+    }
+    text += ']';
+  }
+  text += "\n  ]";
+}
+
+}  // namespace
+
+void WriteLiftJson(const std::filesystem::path& path, const LiftOutput& output) {
+  using Json = nlohmann::json;
+  const auto dump = [](const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); };
+  std::string text = "{\n";
+  text += fmt::format("  \"units\": {},\n", dump(output.units));
+  if (output.fps > 0.0) text += fmt::format("  \"fps\": {},\n", dump(output.fps));
+  text += fmt::format("  \"joints\": {},\n", dump(output.joints));
+  text += fmt::format("  \"frames\": {},\n", dump(output.frames));
+  AppendArray(text, "pose3d", output.pose3d, output.frames.size(), output.joints.size());
+  text += ",\n";
+  AppendArray(text, "canonical", output.canonical, output.frames.size(), output.joints.size());
+  text += ",\n";
+  AppendArray(text, "rotation", output.rotation, output.frames.size(), 3);
+  text += "\n}\n";
+  WriteFileAtomically(path, text);
+}
+
+}  // namespace canonpose

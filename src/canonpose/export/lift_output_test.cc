@@ -1,0 +1,91 @@
+#include "canonpose/export/lift_output.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/testing.h"
+#include "canonpose/data/npz.h"
+
+namespace canonpose {
+namespace {
+
+using ::testing::ElementsAre;
+using testing::ErrorOf;
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+/// Two frames of two joints; the second frame could not be lifted.
+LiftOutput Sample() {
+  LiftOutput output;
+  output.pose3d = {0, 0, 0, 0.1F, -250.5F, 1e-7F, NAN, NAN, NAN, NAN, NAN, NAN};
+  output.canonical = {0, 0, 0, 1, 2, 3, NAN, NAN, NAN, NAN, NAN, NAN};
+  output.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+  output.joints = {"Hip", "Neck, \"upper\""};
+  output.frames = {10, 11};
+  output.units = "mm";
+  return output;
+}
+
+TEST(LiftOutputTest, Npz) {
+  const TemporaryFolder folder;
+  WriteLiftOutput(folder / "a.npz", Sample());
+  const NpzReader reader(folder / "a.npz");
+  EXPECT_THAT(reader.names(), ElementsAre("pose3d", "canonical", "rotation", "joints", "frames", "units"));
+  std::vector<std::size_t> shape;
+  EXPECT_EQ(reader.ReadFloats("pose3d", &shape)[4], -250.5F);
+  EXPECT_THAT(shape, ElementsAre(2, 2, 3));
+  (void)reader.ReadFloats("rotation", &shape);
+  EXPECT_THAT(shape, ElementsAre(2, 3, 3));
+  EXPECT_THAT(reader.ReadStrings("units"), ElementsAre("mm"));
+}
+
+TEST(LiftOutputTest, Csv) {
+  const TemporaryFolder folder;
+  LiftOutput output = Sample();
+  WriteLiftOutput(folder / "a.csv", output);
+  EXPECT_EQ(ReadFile(folder / "a.csv"),
+            "frame,Hip_x [mm],Hip_y [mm],Hip_z [mm],\"Neck, \"\"upper\"\"_x [mm]\",\"Neck, \"\"upper\"\"_y [mm]\","
+            "\"Neck, \"\"upper\"\"_z [mm]\"\n"
+            "10,0,0,0,0.1,-250.5,1e-07\n"
+            "11,,,,,,\n");
+  output.fps = 50.0;
+  WriteLiftOutput(folder / "a.csv", output);
+  EXPECT_THAT(ReadFile(folder / "a.csv"), HasSubstr("\n10,0.200000,0,"));
+}
+
+TEST(LiftOutputTest, Json) {
+  const TemporaryFolder folder;
+  LiftOutput output = Sample();
+  output.fps = 29.97;
+  WriteLiftOutput(folder / "a.json", output);
+  const std::string text = ReadFile(folder / "a.json");
+  EXPECT_THAT(text, HasSubstr("[0.1, -250.5, 1e-07]")) << "floats must not grow digits";
+  const nlohmann::json json = nlohmann::json::parse(text);
+  EXPECT_EQ(json["units"], "mm");
+  EXPECT_EQ(json["fps"], 29.97);
+  EXPECT_EQ(json["joints"][1], "Neck, \"upper\"");
+  EXPECT_EQ(json["frames"], (std::vector<int>{10, 11}));
+  EXPECT_EQ(json["pose3d"].size(), 2U);
+  EXPECT_TRUE(json["pose3d"][1][0][2].is_null());
+  EXPECT_EQ(json["canonical"][0][1][2], 3.0);
+  EXPECT_EQ(json["rotation"][0][2][2], 1.0);
+}
+
+TEST(LiftOutputTest, NoFramesIsStillAFile) {
+  const TemporaryFolder folder;
+  const LiftOutput output{{}, {}, {}, {"Hip"}, {}, "mm", 0.0};
+  for (const char* name : {"a.npz", "a.csv", "a.json"}) WriteLiftOutput(folder / name, output);
+  EXPECT_TRUE(nlohmann::json::parse(ReadFile(folder / "a.json"))["pose3d"].empty());
+}
+
+TEST(LiftOutputTest, OtherExtensionsAreAUsageError) {
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [] { WriteLiftOutput("a.txt", Sample()); }), HasSubstr(".npz, .csv or .json"));
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [] { RequireLiftFormat("poses"); }), HasSubstr("poses"));
+}
+
+}  // namespace
+}  // namespace canonpose

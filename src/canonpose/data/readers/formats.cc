@@ -37,13 +37,14 @@ std::string GuessFolder(const fs::path& folder) {
   return "";
 }
 
-std::string GuessPath(const fs::path& path) {
+/// Camera folders may lie in the path, and a folder of frames in each of those.
+std::string GuessPath(const fs::path& path, int levels_below) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return GuessFormat(JsonValue::Load(path));
   std::string format = GuessFolder(path);
-  if (!format.empty()) return format;
+  if (!format.empty() || levels_below == 0) return format;
   for (const fs::path& inner : FoldersIn(path)) {
-    format = GuessFolder(inner);
+    format = GuessPath(inner, levels_below - 1);
     if (!format.empty()) break;
   }
   return format;
@@ -91,7 +92,7 @@ std::string GuessFormat(const JsonValue& root) {
 }
 
 std::string DetectFormat(const fs::path& path) {
-  const std::string format = GuessPath(path);
+  const std::string format = GuessPath(path, 2);
   if (format.empty()) {
     ThrowBadInput({path.string(), "", "keypoints of " + DetectionFormatNames(), "none of these", "check the path"});
   }

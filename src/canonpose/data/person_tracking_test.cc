@@ -1,0 +1,210 @@
+#include "canonpose/data/person_tracking.h"
+
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/log.h"
+#include "canonpose/base/random.h"
+#include "canonpose/base/testing.h"
+#include "canonpose/data/readers/formats.h"
+
+namespace canonpose {
+namespace {
+
+using ::testing::AllOf;
+using testing::ErrorOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::Shared;
+using testing::TemporaryFolder;
+using testing::TestData;
+
+constexpr int kKeypoints = 17;
+
+/// Somebody of a height in pixels around a place; the shape of the cloud depends on nothing else.
+DetectedPerson Somebody(double x, double y, double height, double confidence, Rng& rng) {
+  DetectedPerson person;
+  for (int k = 0; k < kKeypoints; ++k) {
+    const double across = 0.15 * height * std::sin(2.4 * k);
+    const double down = height * (static_cast<double>(k) / (kKeypoints - 1) - 0.5);
+    person.keypoints.push_back(static_cast<float>(x + across + rng.Normal()));
+    person.keypoints.push_back(static_cast<float>(y + down + rng.Normal()));
+    person.confidence.push_back(static_cast<float>(confidence));
+  }
+  return person;
+}
+
+/// A frame with its people in random order; `who` gets the number of each person in that order.
+struct Scene {
+  DetectedCamera camera;
+  std::vector<std::vector<int>> who;
+};
+
+/// place(frame, person) is the x of a person, NaN where not seen.
+template <typename Place>
+Scene MakeScene(int frames, const std::vector<double>& heights, const std::vector<double>& confidences, Place&& place) {
+  Scene scene;
+  scene.camera.name = "cam";
+  scene.camera.path = "somewhere";
+  scene.camera.keypoint_count = kKeypoints;
+  Rng rng(5);
+  for (int t = 0; t < frames; ++t) {
+    DetectedFrame frame;
+    frame.number = t;
+    scene.who.emplace_back();
+    for (const std::size_t p : rng.Permutation(heights.size())) {
+      const double x = place(t, static_cast<int>(p));
+      if (std::isnan(x)) continue;
+      frame.people.push_back(Somebody(x, 500.0, heights[p], confidences[p], rng));
+      scene.who.back().push_back(static_cast<int>(p));
+    }
+    scene.camera.frames.push_back(frame);
+  }
+  return scene;
+}
+
+/// In how many sightings a track holds each of two people.
+std::array<int, 2> CountPeople(const Scene& scene, const PersonTrack& track) {
+  std::array<int, 2> counts{0, 0};
+  for (const PersonTrack::Sighting& sighting : track.sightings) {
+    const int who = scene.who[static_cast<std::size_t>(sighting.frame)][static_cast<std::size_t>(sighting.person)];
+    ++counts[static_cast<std::size_t>(who)];
+  }
+  return counts;
+}
+
+TEST(TrackPeople, FollowsOnePersonThroughChangingOrder) {
+  const Scene scene = MakeScene(100, {400, 300}, {0.8, 0.5}, [](int t, int p) { return 300.0 + 400.0 * p + t; });
+  const std::vector<PersonTrack> tracks = TrackPeople(scene.camera);
+  ASSERT_EQ(tracks.size(), 2U);
+  EXPECT_EQ(CountPeople(scene, tracks[0]), (std::array<int, 2>{100, 0}));
+  EXPECT_EQ(CountPeople(scene, tracks[1]), (std::array<int, 2>{0, 100}));
+}
+
+TEST(TrackPeople, PeopleWhoCrossDoNotSwap) {
+  for (const double speed : {2.0, 5.0, 12.0}) {
+    const Scene scene = MakeScene(101, {400, 400}, {0.8, 0.5},
+                                  [&](int t, int p) { return 700.0 + (p == 0 ? speed : -speed) * (t - 50); });
+    const std::vector<PersonTrack> tracks = TrackPeople(scene.camera);
+    ASSERT_EQ(tracks.size(), 2U) << speed;
+    EXPECT_EQ(CountPeople(scene, tracks[0]), (std::array<int, 2>{101, 0})) << speed;
+  }
+}
+
+TEST(TrackPeople, PeopleWhoCrossBehindEachOtherDoNotSwap) {
+  // The one behind is not seen for ten frames around the crossing.
+  const Scene scene = MakeScene(101, {400, 400}, {0.8, 0.7}, [&](int t, int p) {
+    if (p == 1 && std::abs(t - 50) < 6) return std::nan("");
+    return 700.0 + (p == 0 ? 10.0 : -10.0) * (t - 50);
+  });
+  const std::vector<PersonTrack> tracks = TrackPeople(scene.camera);
+  ASSERT_EQ(tracks.size(), 2U);
+  EXPECT_EQ(CountPeople(scene, tracks[0]), (std::array<int, 2>{101, 0}));
+  EXPECT_EQ(CountPeople(scene, tracks[1]), (std::array<int, 2>{0, 90}));
+}
+
+TEST(TrackPeople, SurvivesGaps) {
+  const Scene scene = MakeScene(120, {400, 300}, {0.8, 0.6}, [](int t, int p) {
+    return p == 0 && t >= 40 && t < 80 ? std::nan("") : 300.0 + 500.0 * p + 0.5 * t;
+  });
+  const std::vector<PersonTrack> tracks = TrackPeople(scene.camera);
+  ASSERT_EQ(tracks.size(), 2U);
+  EXPECT_EQ(CountPeople(scene, tracks[0]), (std::array<int, 2>{80, 0}));
+}
+
+TEST(TrackPeople, MissingKeypointsDoNotBreakATrack) {
+  Scene scene = MakeScene(100, {400}, {0.8}, [](int t, int) { return 300.0 + 3.0 * t; });
+  Rng rng(9);
+  for (DetectedFrame& frame : scene.camera.frames) {
+    for (std::size_t k = 0; k < kKeypoints; ++k) {
+      if (rng.Uniform() < 0.6) continue;
+      frame.people[0].confidence[k] = 0.0F;
+      frame.people[0].keypoints[2 * k] = frame.people[0].keypoints[2 * k + 1] = std::nanf("");
+    }
+  }
+  EXPECT_EQ(TrackPeople(scene.camera).size(), 1U);
+}
+
+TEST(TrackPeople, TrackIdsBindWhatDistanceDoesNot) {
+  // After a long absence far away from where the person was: only the id says who it is.
+  Scene scene = MakeScene(
+      200, {400}, {0.8}, [](int t, int) { return t >= 50 && t < 150 ? std::nan("") : 300.0 + (t < 50 ? 0.0 : 900.0); });
+  EXPECT_EQ(TrackPeople(scene.camera).size(), 2U);
+  for (DetectedFrame& frame : scene.camera.frames) {
+    for (DetectedPerson& person : frame.people) person.track_id = 7;
+  }
+  EXPECT_EQ(TrackPeople(scene.camera).size(), 1U);
+}
+
+TEST(FollowPerson, TakesTheMostProminentOrTheOneAskedFor) {
+  const TemporaryFolder folder;
+  const Scene scene = MakeScene(50, {300, 500}, {0.5, 0.8}, [](int t, int p) { return 300.0 + 400.0 * p + t; });
+  KeypointClip clip;
+  {
+    const LogFile log(folder / "log");
+    clip = FollowPerson(scene.camera, 1);
+  }
+  EXPECT_THAT(ReadFile(folder / "log"),
+              AllOf(HasSubstr("cam: 2 people seen; following the most prominent, in 50 of 50 frames"),
+                    Not(HasSubstr("--person"))));
+  EXPECT_NEAR(clip.keypoints[1], 250.0F, 10.0F);
+  EXPECT_NEAR(FollowPerson(scene.camera, 2).keypoints[1], 350.0F, 10.0F);
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { FollowPerson(scene.camera, 3); }),
+              HasSubstr("somewhere: expected 3 people in camera cam, found 2"));
+}
+
+TEST(FollowPerson, ACloseCallIsAWarning) {
+  const TemporaryFolder folder;
+  const Scene scene = MakeScene(50, {400, 380}, {0.8, 0.7}, [](int t, int p) { return 300.0 + 400.0 * p + t; });
+  {
+    const LogFile log(folder / "log");
+    FollowPerson(scene.camera, 1);
+  }
+  EXPECT_THAT(ReadFile(folder / "log"), HasSubstr("choose with --person cam=2"));
+}
+
+TEST(FollowPerson, FramesWithoutThePersonStayMissing) {
+  const Scene scene = MakeScene(10, {400}, {0.8}, [](int t, int) { return t == 4 ? std::nan("") : 300.0; });
+  const KeypointClip clip = FollowPerson(scene.camera, 1);
+  ASSERT_EQ(clip.frame_count(), 10);
+  for (std::size_t t = 0; t < 10; ++t) {
+    EXPECT_EQ(std::isnan(clip.keypoints[t * kKeypoints * 2]), t == 4);
+    EXPECT_EQ(clip.confidence[t * kKeypoints] == 0.0F, t == 4);
+  }
+}
+
+TEST(FollowPerson, FollowsTheMainPersonOfEverySample) {
+  const DetectionFormat& format = FindDetectionFormat("alphapose");
+  for (const CameraInput& input : format.find_cameras(TestData("detections/alphapose"))) {
+    DetectedCamera camera = format.read(input);
+    for (const bool has_ids : {true, false}) {
+      const PersonTrack track = TrackPeople(camera).front();
+      // The ids of the sample are the truth, whether the tracker sees them or not.
+      const DetectedCamera truth = format.read(input);
+      for (const PersonTrack::Sighting& sighting : track.sightings) {
+        const DetectedFrame& frame = truth.frames[static_cast<std::size_t>(sighting.frame)];
+        EXPECT_EQ(frame.people[static_cast<std::size_t>(sighting.person)].track_id, 1) << has_ids;
+      }
+      for (DetectedFrame& frame : camera.frames) {
+        for (DetectedPerson& person : frame.people) person.track_id.reset();
+      }
+    }
+  }
+}
+
+TEST(FollowPerson, FollowsTheBalancingPersonInEveryFrame) {
+  CANONPOSE_SKIP_WITHOUT_SHARED("data/balancing");
+  const DetectionFormat& format = FindDetectionFormat("openpose");
+  for (const CameraInput& input : format.find_cameras(Shared("data/balancing"))) {
+    const DetectedCamera camera = format.read(input);
+    EXPECT_EQ(TrackPeople(camera).front().sightings.size(), 100U) << input.name;
+  }
+}
+
+}  // namespace
+}  // namespace canonpose

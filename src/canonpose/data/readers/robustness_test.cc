@@ -1,0 +1,117 @@
+// Damaged files: cut anywhere, with bytes and values exchanged, a reader either reads them or says what is wrong.
+#include <array>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/random.h"
+#include "canonpose/base/testing.h"
+#include "canonpose/data/layout_check.h"
+#include "canonpose/data/person_tracking.h"
+#include "canonpose/data/readers/formats.h"
+
+namespace canonpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+using testing::TemporaryFolder;
+using testing::TestData;
+
+/// A file of a sample and the reader it is for; OpenPose's is put into a folder of its own.
+struct Victim {
+  const char* format;
+  const char* file;
+};
+
+constexpr std::array<Victim, 8> kVictims{{{"openpose", "openpose/cam1/cam1_000000000000_keypoints.json"},
+                                          {"alphapose", "alphapose/left.json"},
+                                          {"alphapose", "alphapose_open/left/alphapose-results.json"},
+                                          {"alphapose", "alphapose_cmu/left/alphapose-results.json"},
+                                          {"mmpose", "mmpose_video/a.json"},
+                                          {"mmpose", "mmpose_demo/a.json"},
+                                          {"mmpose", "mmpose_images/a/img_0001.json"},
+                                          {"coco", "coco/a.json"}}};
+
+/// Reads, follows and checks; whether that went well. Anything but an Error of bad input ends the test.
+bool Reads(const Victim& victim, const std::string& text) {
+  const TemporaryFolder folder;
+  WriteFileAtomically(folder / "frame_1.json", text);
+  const DetectionFormat& format = FindDetectionFormat(victim.format);
+  const bool is_folder = std::string(victim.format) == "openpose";
+  try {
+    for (const CameraInput& input : format.find_cameras(is_folder ? folder.path() : folder / "frame_1.json")) {
+      const KeypointClip clip = FollowPerson(format.read(input), 1);
+      CheckLayout(std::span(&clip, 1), "");
+    }
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::kBadInput) << error.what();
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    return false;
+  }
+  return true;
+}
+
+TEST(DamagedFiles, CutAnywhere) {
+  for (const Victim& victim : kVictims) {
+    const std::string text = ReadFile(TestData("detections") / victim.file);
+    ASSERT_TRUE(Reads(victim, text)) << victim.file;
+    const std::size_t end = text.find_last_not_of(" \n");
+    for (int i = 0; i < 60; ++i) {
+      const std::size_t length = end * static_cast<std::size_t>(i) / 60;
+      EXPECT_FALSE(Reads(victim, text.substr(0, length))) << victim.file << " cut at " << length;
+    }
+  }
+}
+
+TEST(DamagedFiles, ValuesExchanged) {
+  static constexpr std::array<const char*, 14> kReplacements{"null",
+                                                             "NaN",
+                                                             "-Infinity",
+                                                             "1e999",
+                                                             "1e308",
+                                                             "-1e38",
+                                                             "\"x\"",
+                                                             "[]",
+                                                             "{}",
+                                                             "true",
+                                                             "[[[1]]]",
+                                                             "-0",
+                                                             "12345678901234567890123",
+                                                             "1e-400"};
+  Rng rng(21);
+  for (const Victim& victim : kVictims) {
+    const std::string text = ReadFile(TestData("detections") / victim.file);
+    for (int i = 0; i < 60; ++i) {
+      // A whole number or word: from one separator to the next.
+      const std::size_t at = rng.Index(text.size() - 2) + 1;
+      const std::size_t begin = text.find_last_of("[,:", at) + 1;
+      const std::size_t end = text.find_first_of("],:}", begin);
+      if (end == std::string::npos) continue;
+      Reads(victim, text.substr(0, begin) + kReplacements[rng.Index(kReplacements.size())] + text.substr(end));
+    }
+  }
+}
+
+TEST(DamagedFiles, BytesExchanged) {
+  Rng rng(22);
+  for (const Victim& victim : kVictims) {
+    const std::string original = ReadFile(TestData("detections") / victim.file);
+    for (int i = 0; i < 100; ++i) {
+      std::string text = original;
+      for (std::size_t n = 0; n <= rng.Index(4); ++n) text[rng.Index(text.size())] = static_cast<char>(rng.Index(256));
+      Reads(victim, text);
+    }
+  }
+}
+
+TEST(DamagedFiles, NestedWithoutEnd) {
+  for (const Victim& victim : kVictims) {
+    EXPECT_FALSE(Reads(victim, std::string(200000, '[')));
+    EXPECT_FALSE(Reads(victim, std::string(100000, '[') + std::string(100000, ']')));
+  }
+}
+
+}  // namespace
+}  // namespace canonpose

@@ -19,8 +19,8 @@ struct CameraView {
   std::array<int, 2> image_size{0, 0};  ///< width, height in pixels
   std::vector<float> keypoints;         ///< (T, J, 2) pixels, origin top left; NaN where not detected
   std::vector<float> confidence;        ///< (T, J) 0..1; 0 where not detected
-  std::vector<float> truth;             ///< (T, J, 3) mm, camera frame; empty where the file has none, NaN where unknown
-  std::vector<float> solved;            ///< (T, J, 3) camera frame, any one scale; empty or NaN likewise
+  std::vector<float> truth;   ///< (T, J, 3) mm, camera frame; empty where the file has none, NaN where unknown
+  std::vector<float> solved;  ///< (T, J, 3) camera frame, any one scale; empty or NaN likewise
   /// Calibration, for evaluation only: one camera, or T of them where it moves; empty where there is none.
   std::vector<Camera> calibration;
 
@@ -40,7 +40,8 @@ struct Sequence {
   std::vector<CameraView> cameras;
 };
 
-/// Where the keypoints came from, so that a model can read the same kind of file later. Empty for files of other makers.
+/// Where the keypoints came from, so that a model can read the same kind of file later. Empty for files of other
+/// makers.
 struct DatasetSource {
   std::string format;                ///< "openpose", ...
   std::string layout;                ///< the detector's layout, "body_25b"
@@ -68,10 +69,12 @@ struct FrameRange {
   static FrameRange Parse(const std::string& text);
 };
 
-/// Cuts every sequence down to the frames of `range`; sequences without any disappear. Throws Error(kBadInput) where nothing is left.
+/// Cuts every sequence down to the frames of `range`; sequences without any disappear. Throws Error(kBadInput) where
+/// nothing is left.
 void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& file);
 
-/// Reads a dataset file of version 1 (layout in README.md), written by us or by anyone with h5py. Throws Error(kBadInput).
+/// Reads a dataset file of version 1 (layout in README.md), written by us or by anyone with h5py. Throws
+/// Error(kBadInput).
 Dataset ReadDataset(const std::filesystem::path& path);
 
 /// Whether `path` is an HDF5 file that says it is a dataset.

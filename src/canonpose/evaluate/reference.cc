@@ -37,9 +37,11 @@ SequenceReference TriangulateSequence(const Sequence& sequence, std::size_t join
     for (std::size_t c = 0; c < observations.size(); ++c) observations[c] = Observe(sequence.cameras[c], frame, i);
     const TriangulatedPoint point = Triangulate(observations);
     if (!point.valid() || !point.in_front_of_all_cameras || point.largest_ray_angle_rad < kLeastRayAngleRad) continue;
-    errors_px.push_back(point.reprojection_error_px);
     for (std::size_t c = 0; c < observations.size(); ++c) {
       if (sequence.cameras[c].calibration.empty()) continue;
+      const PointObservation& seen = observations[c];
+      const double error_px = (seen.camera->Project(point.point_in_world_mm) - seen.pixel).norm();
+      if (seen.confidence > 0.0 && std::isfinite(error_px)) errors_px.push_back(error_px);
       const Eigen::Vector3d in_camera = sequence.cameras[c].CalibrationAt(frame).InCamera(point.point_in_world_mm);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         reference.poses_in_camera[c][3 * i + axis] = static_cast<float>(in_camera[static_cast<Eigen::Index>(axis)]);

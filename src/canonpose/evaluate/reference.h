@@ -25,7 +25,7 @@ class ReferencePoses {
   /// In the order of the dataset's sequences.
   [[nodiscard]] const std::vector<SequenceReference>& sequences() const { return sequences_; }
   [[nodiscard]] bool triangulated() const { return triangulated_; }
-  /// Of every triangulated joint, the mean over views.
+  /// Of every triangulated joint in every view that sees it.
   [[nodiscard]] const std::vector<double>& reprojection_errors_px() const { return reprojection_errors_px_; }
 
  private:

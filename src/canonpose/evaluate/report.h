@@ -11,8 +11,8 @@
 
 namespace canonpose {
 
-/// How far the pixels lie from where a triangulated reference projects, mean over views for each joint and frame.
-/// Errors of the size that this has at the person's distance cannot be told apart with the reference.
+/// How far the pixels lie from where a triangulated reference projects, over all joints, frames and views. Errors of
+/// the size that this has at the person's distance cannot be told apart with the reference.
 struct ReferenceError {
   double median_px = 0.0;
   double mean_px = 0.0;

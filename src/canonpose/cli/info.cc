@@ -69,9 +69,12 @@ void PrintModel(const ModelInfo& info) {
 }
 
 void PrintNpz(const fs::path& path) {
-  const NpzFile file = NpzFile::Read(path);
-  for (const std::string& name : file.Names()) {
-    fmt::print("array        {}: {}\n", name, file.Describe(name));
+  const NpzReader file(path);
+  for (const std::string& name : file.names()) {
+    const NpyArray array = file.Read(name);
+    const bool is_single_text = array.is_text() && array.shape.empty();
+    fmt::print("array        {}: {}\n", name,
+               is_single_text ? std::get<std::vector<std::string>>(array.values).front() : h5::FormatShape(array.shape));
   }
 }
 

@@ -1,0 +1,57 @@
+# Sourced by run-demo, run-tests and the experiments: install what is missing, configure, build.
+
+# What the project needs, as Debian 12 packages. LibTorch calls whatever provides libblas.so.3; OpenBLAS makes it 30 times faster.
+CANONPOSE_PACKAGES="
+  g++ cmake ninja-build pkg-config
+  libtorch-dev libopenblas0-pthread
+  libeigen3-dev libhdf5-dev libzip-dev zlib1g-dev
+  nlohmann-json3-dev libcli11-dev libfmt-dev libspdlog-dev
+  libgtest-dev libgmock-dev"
+
+say() { printf '\n== %s\n' "$*" >&2; }
+
+install_packages() {
+  local missing=()
+  local package
+  for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q '^install ok installed$' || missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] && return 0
+  if ! command -v apt-get >/dev/null; then
+    echo "error: these Debian 12 packages are needed and apt-get is not here to install them: ${missing[*]}" >&2
+    exit 2
+  fi
+  local root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    if ! command -v sudo >/dev/null; then
+      echo "error: not root and no sudo; ask an administrator to run: apt-get install ${missing[*]}" >&2
+      exit 2
+    fi
+    root=(sudo)
+  fi
+  say "installing ${missing[*]}"
+  local log
+  log=$(mktemp)
+  if ! { "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update &&
+         "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"; } >"$log" 2>&1; then
+    tail -n 20 "$log" >&2
+    echo "error: installing packages failed; the whole log is $log" >&2
+    exit 2
+  fi
+  rm -f "$log"
+}
+
+# build PRESET TARGET...: configures and builds; shows a line of progress on a terminal and everything on failure.
+build() {
+  local preset=$1
+  shift
+  local log
+  log=$(mktemp)
+  if ! cmake --preset "$preset" >"$log" 2>&1; then
+    cat "$log" >&2
+    echo "error: configuring failed; a fresh Debian 12 with the packages above is known to work" >&2
+    exit 2
+  fi
+  rm -f "$log"
+  cmake --build --preset "$preset" --target "$@" >&2
+}

@@ -45,6 +45,8 @@ Pose MakePose(const DetectedPerson& person) {
   Pose pose;
   Vector2d low = Vector2d::Constant(std::numeric_limits<double>::infinity());
   Vector2d high = -low;
+  pose.points.reserve(person.confidence.size());
+  pose.weights.reserve(person.confidence.size());
   for (std::size_t k = 0; k < person.confidence.size(); ++k) {
     const Vector2d point(person.keypoints[2 * k], person.keypoints[2 * k + 1]);
     pose.points.push_back(point);
@@ -65,6 +67,7 @@ class Tracker {
  public:
   void Step(int frame, const std::vector<DetectedPerson>& people) {
     std::vector<Pose> poses;
+    poses.reserve(people.size());
     for (const DetectedPerson& person : people) poses.push_back(MakePose(person));
     const std::vector<int> track_of = Assign(frame, poses);
     for (std::size_t p = 0; p < poses.size(); ++p) {

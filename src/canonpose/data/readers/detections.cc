@@ -188,7 +188,7 @@ std::string CameraNameOf(const fs::path& path) {
   fs::path plain = fs::absolute(path).lexically_normal();
   if (!plain.has_filename()) plain = plain.parent_path();
   const bool is_json = LowerExtension(plain) == ".json";
-  const std::string name = (is_json ? plain.stem() : plain.filename()).string();
+  std::string name = (is_json ? plain.stem() : plain.filename()).string();
   static constexpr std::array<std::string_view, 4> kSameForAll{"alphapose-results", "alphapose-results-forvis",
                                                                "sep-json", "results"};
   const bool is_same_for_all = std::find(kSameForAll.begin(), kSameForAll.end(), name) != kSameForAll.end();

@@ -40,6 +40,7 @@ std::vector<CameraInput> CamerasInFolder(const fs::path& folder, IsFrameFile is_
   std::erase_if(files, IsCalibration);
   if (!files.empty() && is_frame_file(files.front())) return {{CameraNameOf(folder), folder}};
   std::vector<CameraInput> cameras;
+  cameras.reserve(files.size());
   for (const fs::path& file : files) cameras.push_back({CameraNameOf(file), file});
   return cameras;
 }

@@ -31,7 +31,7 @@ std::string GuessFolder(const fs::path& folder) {
   std::vector<fs::path> files = JsonFilesIn(folder);
   if (files.size() > kFilesToTry) files.resize(kFilesToTry);
   for (const fs::path& file : files) {
-    const std::string format = GuessFormat(JsonValue::Load(file));
+    std::string format = GuessFormat(JsonValue::Load(file));
     if (!format.empty()) return format;
   }
   return "";
@@ -92,7 +92,7 @@ std::string GuessFormat(const JsonValue& root) {
 }
 
 std::string DetectFormat(const fs::path& path) {
-  const std::string format = GuessPath(path, 2);
+  std::string format = GuessPath(path, 2);
   if (format.empty()) {
     ThrowBadInput({path.string(), "", "keypoints of " + DetectionFormatNames(), "none of these", "check the path"});
   }

@@ -51,7 +51,8 @@ class JsonValue {
                          const std::string& found = "") const;
 
  private:
-  struct Document {
+  // The library's move only asserts; it throws nothing.
+  struct Document {  // NOLINT(bugprone-exception-escape)
     std::string file;
     nlohmann::json root;
   };

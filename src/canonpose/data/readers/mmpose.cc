@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 JsonValue InstanceList(const JsonValue& root) {
   if (root.json().is_array()) return root;
   if (!root.Has("instance_info")) root.Fail("a list, or an object with instance_info", AdviseFormat(root));
-  const JsonValue list = root["instance_info"];
+  JsonValue list = root["instance_info"];
   if (!list.json().is_array()) list.Fail("a list of frames or of people");
   return list;
 }

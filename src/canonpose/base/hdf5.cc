@@ -40,10 +40,14 @@ class Id {
   Closer closer_;
 };
 
-/// HDF5 prints a stack of its own on every error; ours are told in one line.
-void SilenceLibrary() {
+/// HDF5 prints a stack of its own on every error; ours are told in one line. And where a file could not be written, as on a full disk,
+/// it would try again at exit and crash.
+void PrepareLibrary() {
   static std::once_flag once;
-  std::call_once(once, [] { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); });
+  std::call_once(once, [] {
+    H5dont_atexit();
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  });
 }
 
 template <typename T>
@@ -329,12 +333,12 @@ File::File(File&&) noexcept = default;
 File::~File() = default;
 
 bool File::IsHdf5(const fs::path& path) {
-  SilenceLibrary();
+  PrepareLibrary();
   return fs::is_regular_file(path) && H5Fis_hdf5(path.c_str()) > 0;
 }
 
 File File::OpenForReading(const fs::path& path) {
-  SilenceLibrary();
+  PrepareLibrary();
   if (!fs::exists(path)) ThrowBadInput({path.string(), "", "a file", "nothing", "check the path"});
   Id id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!id.valid()) {
@@ -353,7 +357,7 @@ File File::OpenForReading(const fs::path& path) {
 }
 
 File File::CreateAt(const fs::path& path) {
-  SilenceLibrary();
+  PrepareLibrary();
   File file;
   file.pending_ = std::make_unique<Pending>(path);
   errno = 0;

@@ -9,25 +9,22 @@ volatile std::sig_atomic_t received_signal = 0;
 
 extern "C" void NoteSignal(int signal) { received_signal = signal; }
 
-void Install(int signal, bool guarded) {
-  struct sigaction action {};
-  action.sa_handler = guarded ? NoteSignal : SIG_DFL;
-  // One shot: the second signal meets the default, which ends the program.
-  action.sa_flags = guarded ? static_cast<int>(SA_RESETHAND) : 0;
-  sigaction(signal, &action, nullptr);
-}
+constexpr int kSignals[] = {SIGINT, SIGTERM};
+struct sigaction previous_actions[2];
 
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
   received_signal = 0;
-  Install(SIGINT, true);
-  Install(SIGTERM, true);
+  struct sigaction action {};
+  action.sa_handler = NoteSignal;
+  // One shot: the second signal meets the default, which ends the program.
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  for (int i = 0; i < 2; ++i) sigaction(kSignals[i], &action, &previous_actions[i]);
 }
 
 InterruptGuard::~InterruptGuard() {
-  Install(SIGINT, false);
-  Install(SIGTERM, false);
+  for (int i = 0; i < 2; ++i) sigaction(kSignals[i], &previous_actions[i], nullptr);
 }
 
 int InterruptGuard::signal() const { return received_signal; }

@@ -95,8 +95,10 @@ void AddTrainCommand(CLI::App& app) {
   command->add_option("--preset", arguments->preset, fmt::format("One of {} (default plus)", PresetNames()));
   // These are --set with a name of their own.
   const auto add = [&](const std::string& option, const std::string& field, const std::string& help) {
-    command->add_option_function<std::string>(
-        option, [arguments, field](const std::string& value) { arguments->named.emplace_back(field, value); }, help);
+    command
+        ->add_option_function<std::string>(
+              option, [arguments, field](const std::string& value) { arguments->named.emplace_back(field, value); }, help)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   };
   add("--epochs", "epochs", "Times to go through the data (default 100, more for small recordings)");
   add("--width", "width", "Width of the network's layers (default 1024)");

@@ -19,13 +19,13 @@ h5::File OpenModel(const fs::path& path) {
   const fs::path file_path = ModelPath(path);
   if (fs::is_directory(path) && !fs::exists(file_path)) {
     ThrowBadInput({path.string(), "", "a training run with a finished model.cpm", "none in this folder",
-                   "finish the training with: canonpose train ... -o " + path.string() + " --resume"});
+                   fmt::format("finish the training with: canonpose train ... -o {} --resume", path.string())});
   }
   h5::File file = h5::File::OpenForReading(file_path);
   const h5::Group& root = file.root();
   if (!root.HasAttribute("format") || root.GetString("format") != kFormat) {
     root.Fail("attribute format", fmt::format("\"{}\"", kFormat),
-              root.HasAttribute("format") ? "\"" + root.GetString("format") + "\"" : "nothing",
+              root.HasAttribute("format") ? fmt::format("\"{}\"", root.GetString("format")) : "nothing",
               "give a model made by `canonpose train`");
   }
   if (const std::int64_t version = root.GetInt("version"); version != kVersion) {

@@ -42,7 +42,11 @@ void WarnAboutSlowLinearAlgebra() {
 }
 
 void SetThreadCount(int threads) {
-  if (threads > 0) at::set_num_threads(threads);
+  if (threads <= 0) return;
+  at::set_num_threads(threads);
+  // OpenBLAS keeps threads of its own, which LibTorch does not know of.
+  using SetThreads = void (*)(int);
+  if (const auto set_threads = reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set_threads(threads);
 }
 
 int ThreadCount() { return at::get_num_threads(); }

@@ -23,7 +23,7 @@ struct TrainOptions {
   double perspective_warmup = 0.3;          ///< share of the steps before k is set free
   double perspective_learning_rate = 0.01;  ///< of k alone
   std::string mirror = "auto";              ///< auto: by the perspective slope; keep, flip: by request
-  double validation = 0.1;                  ///< share of each sequence's frames held out, at its end
+  double validation = 0.1;                  ///< share of the frames held out, at the end of every 50
   std::uint64_t seed = 0;
   int threads = 0;  ///< 0: as many as LibTorch chooses
   std::string device = "cpu";

@@ -13,6 +13,15 @@ namespace {
 /// Long enough that the residuals of neighbouring clips are nearly independent, short enough that a few seconds give several.
 constexpr int kClipFrames = 25;
 
+/// Frames are held out at the end of every stretch of this length: spread over the recording, yet not next to every training frame.
+constexpr int kValidationStretch = 50;
+
+bool IsHeldOut(int frame, int frame_count, double share) {
+  const int first = frame / kValidationStretch * kValidationStretch;
+  const int length = std::min(kValidationStretch, frame_count - first);
+  return frame - first >= length - static_cast<int>(std::floor(share * length));
+}
+
 /// Numbers names in the order in which they come.
 class Numbering {
  public:
@@ -29,21 +38,19 @@ class Builder {
   Builder(TrainingSplit& split, int root) : split_(split), root_(root) {}
 
   void Add(const Sequence& sequence, const std::string& dataset_key, double validation_share) {
-    const int held_out = static_cast<int>(std::floor(validation_share * sequence.frame_count));
     const int capture = captures_(dataset_key + "/" + sequence.capture);
     Numbering& cameras = cameras_[capture];
     split_.training.static_captures.resize(std::max<std::size_t>(split_.training.static_captures.size(), capture + 1), 1);
     if (!sequence.static_cameras) split_.training.static_captures[static_cast<std::size_t>(capture)] = 0;
     for (int t = 0; t < sequence.frame_count; ++t) {
-      TrainingSet& set = t < sequence.frame_count - held_out ? split_.training : split_.validation;
-      AddFrame(sequence, t, capture, cameras, set);
+      TrainingSet& set = IsHeldOut(t, sequence.frame_count, validation_share) ? split_.validation : split_.training;
+      AddFrame(sequence, t, {capture, clip_base_ + t / kClipFrames, {}}, cameras, set);
     }
     clip_base_ += sequence.frame_count / kClipFrames + 1;
   }
 
  private:
-  void AddFrame(const Sequence& sequence, int t, int capture, Numbering& cameras, TrainingSet& set) {
-    TrainingFrame frame{capture, clip_base_ + t / kClipFrames, {}};
+  void AddFrame(const Sequence& sequence, int t, TrainingFrame frame, Numbering& cameras, TrainingSet& set) {
     const int joints = set.joint_count;
     const std::size_t first_row = set.confidence.size() / static_cast<std::size_t>(joints);
     for (const CameraView& view : sequence.cameras) {

@@ -39,7 +39,7 @@ struct TrainingSplit {
   int frames_without_pairs = 0;  ///< frames seen by fewer than two cameras; left out
 };
 
-/// The frames of all datasets, the last `validation_share` of each sequence's frames held out. Sequences of one capture share
+/// The frames of all datasets, `validation_share` of them held out: the end of every 50 frames of a sequence. Sequences of one capture share
 /// their cameras by name. Throws Error(kComputation) where no frame is seen by two cameras.
 TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double validation_share);
 

@@ -1,0 +1,273 @@
+// The program as its users meet it: commands, files, exit codes, and training that is killed.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/hdf5.h"
+#include "canonpose/base/random.h"
+#include "canonpose/base/testing.h"
+
+namespace canonpose {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::Shared;
+using testing::TemporaryFolder;
+using testing::TestData;
+
+struct Outcome {
+  int exit_code = -1;  ///< 128 + signal where it was killed
+  std::string output;
+  std::string errors;  ///< stderr
+  /// The last line of stderr: the message of a failure.
+  [[nodiscard]] std::string message() const {
+    const std::size_t end = errors.find_last_not_of('\n');
+    if (end == std::string::npos) return "";
+    const std::size_t begin = errors.rfind('\n', end);
+    return errors.substr(begin == std::string::npos ? 0 : begin + 1, end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+  }
+};
+
+pid_t Start(const std::vector<std::string>& arguments, const fs::path& output, const fs::path& errors) {
+  const pid_t child = fork();
+  if (child != 0) return child;
+  std::vector<char*> pointers;
+  std::string program = CANONPOSE_PROGRAM;
+  pointers.push_back(program.data());
+  std::vector<std::string> copies = arguments;
+  for (std::string& argument : copies) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  const int out = open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+  const int err = open(errors.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+  dup2(out, STDOUT_FILENO);
+  dup2(err, STDERR_FILENO);
+  execv(program.c_str(), pointers.data());
+  _exit(127);
+}
+
+int Wait(pid_t child) {
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+Outcome Execute(const std::vector<std::string>& arguments) {
+  const TemporaryFolder folder;
+  const pid_t child = Start(arguments, folder / "out", folder / "err");
+  Outcome outcome;
+  outcome.exit_code = Wait(child);
+  outcome.output = ReadFile(folder / "out");
+  outcome.errors = ReadFile(folder / "err");
+  return outcome;
+}
+
+/// Exit code 3 and one line of the form "error: FILE: ...".
+void ExpectBadInput(const std::vector<std::string>& arguments, const ::testing::Matcher<std::string>& matcher) {
+  const Outcome outcome = Execute(arguments);
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.errors;
+  EXPECT_THAT(outcome.message(), AllOf(::testing::StartsWith("error: "), matcher));
+}
+
+/// A dataset of a random body that turns, with truth.
+void WriteData(const fs::path& path, int frames = 40, int joints = 5, std::int64_t version = 1) {
+  Rng rng(1);
+  h5::File file = h5::File::CreateAt(path);
+  file.root().SetString("format", "canonpose-dataset");
+  file.root().SetInt("version", version);
+  {
+    h5::Group skeleton = file.root().Create("skeleton");
+    std::vector<std::string> names;
+    std::vector<std::int64_t> parents;
+    std::vector<std::int64_t> mirror;
+    for (int j = 0; j < joints; ++j) {
+      names.push_back("joint" + std::to_string(j));
+      parents.push_back(j - 1);
+      mirror.push_back(j);
+    }
+    skeleton.SetStrings("joints", names);
+    skeleton.SetInts("parents", parents);
+    skeleton.SetInt("root", 0);
+    skeleton.SetInts("mirror", mirror);
+    h5::Group sequence = file.root().Create("sequences").Create("clip");
+    sequence.SetString("subject", "s");
+    sequence.SetDouble("fps", 30.0);
+    sequence.SetInt("static_cameras", 1);
+    h5::Group cameras = sequence.Create("cameras");
+    for (const char* name : {"a", "b", "c"}) {
+      h5::Group camera = cameras.Create(name);
+      camera.SetInts("image_size", {1000, 1000});
+      std::vector<float> keypoints;
+      std::vector<float> truth;
+      const auto count = static_cast<std::size_t>(frames * joints);
+      for (std::size_t i = 0; i < count; ++i) {
+        const double x = rng.Normal();
+        const double y = rng.Normal();
+        const double z = rng.Normal();
+        keypoints.insert(keypoints.end(), {static_cast<float>(500 + 100 * x), static_cast<float>(500 + 100 * y)});
+        truth.insert(truth.end(), {static_cast<float>(300 * x), static_cast<float>(300 * y), static_cast<float>(3000 + 300 * z)});
+      }
+      const auto t = static_cast<std::size_t>(frames);
+      const auto j = static_cast<std::size_t>(joints);
+      camera.Write<float>("keypoints", keypoints, {t, j, 2});
+      camera.Write<float>("confidence", std::vector<float>(count, 0.9F), {t, j});
+      camera.Write<float>("truth", truth, {t, j, 3});
+    }
+  }
+  file.Commit();
+}
+
+std::vector<std::string> TrainArguments(const fs::path& data, const fs::path& run) {
+  return {"train", data, "-o", run, "--width", "24", "--epochs", "3", "--threads", "1"};
+}
+
+TEST(Program, UsageMistakesExitWithTwo) {
+  EXPECT_EQ(Execute({}).exit_code, 2);
+  EXPECT_EQ(Execute({"fly"}).exit_code, 2);
+  EXPECT_EQ(Execute({"train"}).exit_code, 2);
+  EXPECT_EQ(Execute({"evaluate", "--protocol", "nonsense", "--predictions", "a", "--truth", "b"}).exit_code, 2);
+  const TemporaryFolder folder;
+  WriteData(folder / "data.h5");
+  EXPECT_EQ(Execute({"train", folder / "data.h5", "-o", folder / "run", "--set", "nonsense=1"}).exit_code, 2);
+  EXPECT_EQ(Execute({"train", folder / "data.h5", "-o", folder / "run", "--preset", "nonsense"}).exit_code, 2);
+  EXPECT_EQ(Execute({"train", folder / "data.h5", "-o", folder / "run", "--frames", "9-3"}).exit_code, 2);
+  EXPECT_EQ(Execute({"lift", "model", "data", "-o", folder / "poses.xyz"}).exit_code, 2);
+}
+
+TEST(Program, EveryCommandHasHelp) {
+  EXPECT_EQ(Execute({"--help"}).exit_code, 0);
+  EXPECT_EQ(Execute({"--version"}).exit_code, 0);
+  for (const char* command : {"import", "train", "evaluate", "lift", "info"}) {
+    const Outcome outcome = Execute({command, "--help"});
+    EXPECT_EQ(outcome.exit_code, 0) << command;
+    EXPECT_THAT(outcome.output, HasSubstr("--")) << command;
+  }
+}
+
+TEST(Program, TrainEvaluateLiftInfo) {
+  const TemporaryFolder folder;
+  WriteData(folder / "data.h5");
+  const Outcome trained = Execute(TrainArguments(folder / "data.h5", folder / "run"));
+  ASSERT_EQ(trained.exit_code, 0) << trained.errors;
+  const Outcome evaluated = Execute({"evaluate", folder / "run", folder / "data.h5", "--json", folder / "report.json"});
+  ASSERT_EQ(evaluated.exit_code, 0) << evaluated.errors;
+  const nlohmann::json report = nlohmann::json::parse(ReadFile(folder / "report.json"));
+  for (const char* key : {"protocol", "frames", "joints", "n_mpjpe_mm", "p_mpjpe_mm", "pck150_percent", "auc_percent", "cps",
+                          "per_sequence", "per_joint"}) {
+    EXPECT_TRUE(report.contains(key)) << key;
+  }
+  EXPECT_EQ(report["frames"], 120);
+  for (const char* extension : {"npz", "csv", "json"}) {
+    const fs::path poses = folder / (std::string("poses.") + extension);
+    const Outcome lifted = Execute({"lift", folder / "run", folder / "data.h5", "--camera", "b", "-o", poses});
+    EXPECT_EQ(lifted.exit_code, 0) << lifted.errors;
+    EXPECT_TRUE(fs::exists(poses));
+  }
+  for (const char* file : {"data.h5", "run", "run/model.cpm", "run/checkpoint.h5", "poses.npz"}) {
+    const Outcome info = Execute({"info", folder / file});
+    EXPECT_EQ(info.exit_code, 0) << file << info.errors;
+    EXPECT_THAT(info.output, HasSubstr("kind"));
+  }
+  // A camera must be chosen where there are several.
+  ExpectBadInput({"lift", folder / "run", folder / "data.h5", "-o", folder / "p.npz"}, HasSubstr("--camera"));
+}
+
+TEST(Program, BadInputsOfTraining) {
+  const TemporaryFolder folder;
+  const std::string data = folder / "data.h5";
+  WriteData(data);
+  ExpectBadInput({"train", folder / "none.h5", "-o", folder / "run"}, HasSubstr("none.h5"));
+  ExpectBadInput({"train", data, "-o", "/proc/run"}, HasSubstr("/proc/run"));
+  WriteData(folder / "version.h5", 40, 5, 2);
+  ExpectBadInput({"train", folder / "version.h5", "-o", folder / "run"}, AllOf(HasSubstr("version.h5"), HasSubstr("version"), HasSubstr("found 2")));
+  WriteFileAtomically(folder / "cut.h5", ReadFile(data).substr(0, 3000));
+  ExpectBadInput({"train", folder / "cut.h5", "-o", folder / "run"}, HasSubstr("cut.h5"));
+
+  ASSERT_EQ(Execute(TrainArguments(data, folder / "run")).exit_code, 0);
+  EXPECT_EQ(Execute(TrainArguments(data, folder / "run")).exit_code, 2);  // nothing is lost
+  WriteData(folder / "six.h5", 40, 6);
+  ExpectBadInput({"evaluate", folder / "run", folder / "six.h5"}, AllOf(HasSubstr("six.h5"), HasSubstr("joint5")));
+  const std::string model = ReadFile(folder / "run/model.cpm");
+  WriteFileAtomically(folder / "run/model.cpm", model.substr(0, model.size() / 2));
+  ExpectBadInput({"evaluate", folder / "run", data}, HasSubstr("model.cpm"));
+  const std::string checkpoint = ReadFile(folder / "run/checkpoint.h5");
+  WriteFileAtomically(folder / "run/checkpoint.h5", checkpoint.substr(0, checkpoint.size() / 2));
+  std::vector<std::string> resume = TrainArguments(data, folder / "run");
+  resume.emplace_back("--resume");
+  ExpectBadInput(resume, HasSubstr("checkpoint.h5"));
+}
+
+TEST(Program, BadInputsOfImport) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out.h5";
+  fs::create_directories(folder / "empty");
+  ExpectBadInput({"import", "openpose", folder / "empty", "-o", out, "--image-size", "100x100"}, HasSubstr("empty"));
+  ExpectBadInput({"import", "openpose", folder / "nowhere", "-o", out, "--image-size", "100x100"}, HasSubstr("nowhere"));
+  const std::string cameras = TestData("detections/openpose");
+  ExpectBadInput({"import", "openpose", cameras, "-o", "/proc/out.h5", "--image-size", "1920x1080"}, HasSubstr("/proc/out.h5"));
+  ExpectBadInput({"import", "openpose", cameras, "-o", out}, HasSubstr("--image-size"));
+  ExpectBadInput({"import", "openpose", cameras, "-o", out, "--image-size", "1920x1080", "--layout", "coco-18"}, HasSubstr("coco-18"));
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST(Program, InterruptedTrainingSavesAndSaysHowToGoOn) {
+  const TemporaryFolder folder;
+  WriteData(folder / "data.h5");
+  std::vector<std::string> arguments = TrainArguments(folder / "data.h5", folder / "run");
+  arguments.insert(arguments.end(), {"--epochs", "100000"});
+  const pid_t child = Start(arguments, folder / "out", folder / "err");
+  while (!fs::exists(folder / "run/metrics.jsonl")) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  kill(child, SIGINT);
+  EXPECT_EQ(Wait(child), 130);
+  EXPECT_THAT(ReadFile(folder / "err"), HasSubstr("--resume"));
+  EXPECT_TRUE(fs::exists(folder / "run/checkpoint.h5"));
+  EXPECT_FALSE(fs::exists(folder / "run/model.cpm"));
+}
+
+TEST(Program, KilledAtTwentyRandomMomentsAndResumedGivesTheSameBits) {
+  const TemporaryFolder folder;
+  WriteData(folder / "data.h5");
+  std::vector<std::string> arguments = TrainArguments(folder / "data.h5", folder / "whole");
+  arguments.insert(arguments.end(), {"--epochs", "150", "--seed", "5", "--set", "checkpoint_seconds=0.002"});
+  const auto start = std::chrono::steady_clock::now();
+  ASSERT_EQ(Execute(arguments).exit_code, 0);
+  const double whole_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  arguments[3] = folder / "killed";
+  arguments.emplace_back("--resume");
+  Rng rng(7);
+  int kills = 0;
+  for (int attempt = 0; attempt < 20; ++attempt) {
+    const pid_t child = Start(arguments, folder / "out", folder / "err");
+    std::this_thread::sleep_for(std::chrono::duration<double>(rng.Uniform(0.1, 1.0) * whole_seconds));
+    kill(child, SIGKILL);
+    if (Wait(child) == 128 + SIGKILL) ++kills;
+    // A run that got to its end is begun anew, so that every kill meets a living one.
+    if (fs::exists(folder / "killed/model.cpm")) {
+      EXPECT_EQ(ReadFile(folder / "killed/model.cpm"), ReadFile(folder / "whole/model.cpm"));
+      fs::remove_all(folder / "killed");
+    }
+  }
+  const Outcome last = Execute(arguments);
+  ASSERT_EQ(last.exit_code, 0) << last.errors;
+  EXPECT_EQ(ReadFile(folder / "killed/model.cpm"), ReadFile(folder / "whole/model.cpm"));
+  EXPECT_GE(kills, 10);
+  RecordProperty("kills", kills);
+}
+
+}  // namespace
+}  // namespace canonpose

@@ -1,0 +1,74 @@
+#include "canonpose/train/options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "canonpose/base/testing.h"
+#include "canonpose/train/trainer.h"
+
+namespace canonpose {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::ErrorOf;
+
+TEST(TrainOptions, JsonRoundTripKeepsEveryField) {
+  TrainOptions options = PresetOptions("plus");
+  options.Set("learning_rate", "0.00123");
+  options.Set("seed", "18446744073709551615");
+  options.Set("camera_consistency", "off");
+  const TrainOptions read = TrainOptions::FromJson(options.ToJson());
+  EXPECT_EQ(read.ToJson(), options.ToJson());
+  EXPECT_EQ(read.seed, UINT64_MAX);
+  EXPECT_TRUE(read.Differences(options).empty());
+}
+
+TEST(TrainOptions, PublishedValues) {
+  const TrainOptions paper = PresetOptions("paper");
+  EXPECT_EQ(paper.width, 1024);
+  EXPECT_EQ(paper.batch_frames, 32);
+  EXPECT_EQ(paper.learning_rate, 1e-4);
+  EXPECT_EQ(paper.weight_decay, 1e-5);
+  EXPECT_EQ(paper.camera_consistency, "off");
+  EXPECT_EQ(paper.perspective, "off");
+  EXPECT_EQ(PresetOptions("paper+c").camera_consistency, "static");
+  EXPECT_EQ(PresetOptions("paper+c").camera_weight, 0.1);
+  EXPECT_EQ(PresetOptions("plus").perspective, "learned");
+  EXPECT_EQ(MakeSchedule(paper, 3200000).epochs, 100);
+}
+
+TEST(TrainOptions, SmallRecordingsAreGoneThroughMoreOften) {
+  TrainOptions options;
+  options.min_steps = 1500;
+  const Schedule schedule = MakeSchedule(options, 90);
+  EXPECT_EQ(schedule.steps_per_epoch, 3);
+  EXPECT_EQ(schedule.epochs, 500);
+  options.epochs = 7;
+  EXPECT_EQ(MakeSchedule(options, 90).epochs, 7);
+}
+
+TEST(TrainOptions, MistakesAreNamed) {
+  TrainOptions options;
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Set("learning_rat", "1"); }),
+              AllOf(HasSubstr("learning_rat"), HasSubstr("learning_rate")));
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Set("width", "12.5"); }), HasSubstr("12.5"));
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Set("width", ""); }), HasSubstr("whole number"));
+  options.perspective = "yes";
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr("off, learned"));
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [] { PresetOptions("papper"); }), AllOf(HasSubstr("papper"), HasSubstr("paper+c")));
+}
+
+TEST(TrainOptions, DifferencesIgnoreWhatDoesNotChangeTheResult) {
+  const TrainOptions a;
+  TrainOptions b;
+  b.checkpoint_seconds = 1;
+  b.device = "cuda";
+  EXPECT_TRUE(a.Differences(b).empty());
+  b.width = 7;
+  EXPECT_THAT(a.Differences(b), ElementsAre("width"));
+}
+
+}  // namespace
+}  // namespace canonpose

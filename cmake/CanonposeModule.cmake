@@ -1,7 +1,8 @@
-# canonpose_module(NAME SOURCES ... [LINKS ...] [PRIVATE_LINKS ...] [TESTS ...] [TEST_LINKS ...])
+# canonpose_module(NAME SOURCES ... [LINKS ...] [PRIVATE_LINKS ...] [TESTS ...] [TEST_LINKS ...] [PRECOMPILE ...])
 #
 # A folder of src/canonpose as a static library canonpose_NAME, with its tests as NAME_test. LINKS names modules above it
-# in the layout and third-party targets that its headers need; PRIVATE_LINKS those that only its sources need.
+# in the layout and third-party targets that its headers need; PRIVATE_LINKS those that only its sources need. PRECOMPILE names
+# headers that take long to compile (LibTorch's take 20 s).
 
 add_library(canonpose_options INTERFACE)
 target_include_directories(canonpose_options INTERFACE ${PROJECT_SOURCE_DIR}/src)
@@ -18,12 +19,18 @@ if(CANONPOSE_SANITIZE)
 endif()
 
 function(canonpose_module name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS;TESTS;TEST_LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS;TESTS;TEST_LINKS;PRECOMPILE" ${ARGN})
   add_library(canonpose_${name} STATIC ${ARG_SOURCES})
   target_link_libraries(canonpose_${name} PUBLIC ${ARG_LINKS} PRIVATE canonpose_options ${ARG_PRIVATE_LINKS})
   target_include_directories(canonpose_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
   if(BUILD_TESTING AND ARG_TESTS)
     canonpose_test(${name}_test SOURCES ${ARG_TESTS} LINKS canonpose_${name} ${ARG_PRIVATE_LINKS} ${ARG_TEST_LINKS})
+  endif()
+  if(ARG_PRECOMPILE)
+    target_precompile_headers(canonpose_${name} PRIVATE ${ARG_PRECOMPILE})
+    if(TARGET ${name}_test)
+      target_precompile_headers(${name}_test PRIVATE ${ARG_PRECOMPILE})
+    endif()
   endif()
 endfunction()
 

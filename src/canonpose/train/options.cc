@@ -134,12 +134,17 @@ std::string PresetNames() { return "paper, paper+c, plus"; }
 TrainOptions PresetOptions(const std::string& preset) {
   TrainOptions options;
   options.preset = preset;
-  options.min_steps = 1500;
+  options.min_steps = 3000;
   if (preset == "paper") return options;
   options.camera_consistency = "static";
   if (preset == "paper+c") return options;
-  options.perspective = "learned";
-  if (preset == "plus") return options;
+  if (preset == "plus") {
+    options.perspective = "learned";
+    // A quarter of the width costs little accuracy (benchmarks in docs/results.md) and makes small recordings a matter of a minute.
+    options.width = 256;
+    options.learning_rate = 1e-3;
+    return options;
+  }
   ThrowUsage("--preset: expected one of {}, found \"{}\"", PresetNames(), preset);
 }
 

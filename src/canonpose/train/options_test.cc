@@ -36,6 +36,7 @@ TEST(TrainOptions, PublishedValues) {
   EXPECT_EQ(PresetOptions("paper+c").camera_consistency, "static");
   EXPECT_EQ(PresetOptions("paper+c").camera_weight, 0.1);
   EXPECT_EQ(PresetOptions("plus").perspective, "learned");
+  EXPECT_EQ(PresetOptions("plus").camera_consistency, "static");
   EXPECT_EQ(MakeSchedule(paper, 3200000).epochs, 100);
 }
 

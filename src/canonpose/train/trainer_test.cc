@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
-#include <numbers>
 #include <sstream>
 #include <thread>
 
@@ -28,39 +28,59 @@ using ::testing::HasSubstr;
 using testing::ErrorOf;
 using testing::TemporaryFolder;
 
-constexpr int kJoints = 5;
+constexpr int kJoints = 11;
 
-Skeleton FiveJoints() { return {"", {"root", "a", "b", "left", "right"}, {-1, 0, 1, 0, 0}, 0, {0, 1, 2, 4, 3}}; }
+Skeleton Puppet() {
+  return {"",
+          {"pelvis", "left hip", "left knee", "left foot", "right hip", "right knee", "right foot", "chest", "head", "left hand", "right hand"},
+          {-1, 0, 1, 2, 0, 4, 5, 0, 7, 7, 7},
+          0,
+          {0, 4, 5, 6, 1, 2, 3, 7, 8, 10, 9}};
+}
 
-/// A body of five joints that swings about, seen by cameras around it with strong perspective.
-Dataset SwingingBody(int frames, int cameras, std::uint64_t seed = 1) {
+/// Joint positions of a puppet that kicks, bends its knees and waves, in metres: x left, y down, z forward.
+std::array<std::array<double, 3>, kJoints> PuppetAt(double time) {
+  const auto leg = [](double side, double swing, double bend) {
+    return std::array<std::array<double, 3>, 3>{
+        {{side, 0, 0},
+         {side, 0.45 * std::cos(swing), 0.45 * std::sin(swing)},
+         {side, 0.45 * std::cos(swing) + 0.45 * std::cos(swing - bend), 0.45 * std::sin(swing) + 0.45 * std::sin(swing - bend)}}};
+  };
+  const auto left = leg(-0.15, 0.6 * std::sin(time), 0.5 + 0.5 * std::sin(1.3 * time));
+  const auto right = leg(0.15, 0.6 * std::sin(time + 3.1), 0.5 + 0.5 * std::sin(1.3 * time + 2.0));
+  const double left_arm = std::sin(0.7 * time);
+  const double right_arm = std::sin(0.9 * time + 1.0);
+  return {{{0, 0, 0}, left[0], left[1], left[2], right[0], right[1], right[2],
+           {0, -0.5, 0.05 * std::sin(time)},
+           {0, -0.75, 0.1},
+           {-0.2 - 0.3 * std::abs(std::sin(left_arm)), -0.5 + 0.3 * std::cos(left_arm), 0.2 * std::sin(2 * left_arm)},
+           {0.2 + 0.3 * std::abs(std::sin(right_arm)), -0.5 + 0.3 * std::cos(right_arm), 0.25 * std::sin(right_arm)}}};
+}
+
+/// The puppet, turning this way and that, seen from 3.5 m by cameras around it at several heights.
+Dataset PuppetShow(int frames, int cameras, std::uint64_t seed = 1) {
+  constexpr double kTilts[] = {0.1, 0.5, 0.3, 0.0};
   Rng rng(seed);
   Dataset dataset;
-  dataset.skeleton = FiveJoints();
-  Sequence sequence{"swing", "s", 30.0, true, "s", frames, {}};
+  dataset.skeleton = Puppet();
+  Sequence sequence{"show", "s", 30.0, true, "s", frames, {}};
   for (int c = 0; c < cameras; ++c) {
     CameraView view;
     view.name = "cam" + std::to_string(c);
     view.image_size = {1000, 1000};
-    const double azimuth = 0.3 + 1.1 * c;
-    const double tilt = 0.3 * (c % 2 == 0 ? 1 : -1);
+    const double tilt = kTilts[c % 4];
     for (int t = 0; t < frames; ++t) {
       const double time = 0.13 * t;
-      const double turn = 2.0 * std::sin(0.31 * time);
-      const double body[kJoints][3] = {{0, 0, 0},
-                                       {0.1 * std::sin(time), -0.5, 0.1},
-                                       {0.4 * std::sin(time), -0.9, 0.3 * std::cos(1.3 * time)},
-                                       {-0.3, 0.5 + 0.2 * std::sin(1.7 * time), 0.3 * std::cos(time)},
-                                       {0.35, 0.6, -0.3 * std::sin(2.1 * time)}};
-      for (const auto& joint : body) {
-        const double x0 = std::cos(turn + azimuth) * joint[0] + std::sin(turn + azimuth) * joint[2];
-        const double z0 = -std::sin(turn + azimuth) * joint[0] + std::cos(turn + azimuth) * joint[2];
-        const double y = std::cos(tilt) * joint[1] - std::sin(tilt) * z0;
-        const double z = 2.0 + std::sin(tilt) * joint[1] + std::cos(tilt) * z0;
-        view.keypoints.push_back(static_cast<float>(500 + 800 * x0 / z + 0.3 * rng.Normal()));
+      const double azimuth = 0.3 + 1.1 * c + 0.4 * std::sin(0.31 * time);
+      for (const auto& joint : PuppetAt(time)) {
+        const double x = std::cos(azimuth) * joint[0] + std::sin(azimuth) * joint[2];
+        const double level_z = -std::sin(azimuth) * joint[0] + std::cos(azimuth) * joint[2];
+        const double y = std::cos(tilt) * joint[1] - std::sin(tilt) * level_z;
+        const double z = 3.5 + std::sin(tilt) * joint[1] + std::cos(tilt) * level_z;
+        view.keypoints.push_back(static_cast<float>(500 + 800 * x / z + 0.3 * rng.Normal()));
         view.keypoints.push_back(static_cast<float>(500 + 800 * y / z + 0.3 * rng.Normal()));
         view.confidence.push_back(0.9F);
-        view.truth.insert(view.truth.end(), {static_cast<float>(x0), static_cast<float>(y), static_cast<float>(z)});
+        view.truth.insert(view.truth.end(), {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
       }
     }
     sequence.cameras.push_back(view);
@@ -69,10 +89,37 @@ Dataset SwingingBody(int frames, int cameras, std::uint64_t seed = 1) {
   return dataset;
 }
 
+/// Correlation of predicted with true depths relative to the root, over all joints, frames and views: near 1 for the right solution,
+/// near -1 for its mirror.
+double DepthCorrelation(Lifter& lifter, const Dataset& dataset) {
+  const torch::NoGradGuard no_grad;
+  const TrainingSplit split = MakeTrainingSplit({dataset}, 0.0);
+  std::vector<const TrainingFrame*> frames;
+  for (const TrainingFrame& frame : split.training.frames) frames.push_back(&frame);
+  const LifterOutput output = lifter->forward(LifterInput(GatherBatch(split.training, frames, torch::kCPU)));
+  const torch::Tensor depth = torch::bmm(output.rotation, output.pose).select(1, 2).contiguous();  // (R, J): frames, then cameras
+  const float* predictions = depth.data_ptr<float>();
+  const std::vector<CameraView>& cameras = dataset.sequences[0].cameras;
+  double covariance = 0.0;
+  double predicted_squares = 0.0;
+  double true_squares = 0.0;
+  for (std::size_t row = 0; row < static_cast<std::size_t>(depth.size(0)); ++row) {
+    const float* truth = &cameras[row % cameras.size()].truth[row / cameras.size() * kJoints * 3];
+    for (std::size_t j = 1; j < kJoints; ++j) {
+      const double actual = truth[3 * j + 2] - truth[2];
+      const double predicted = predictions[row * kJoints + j] - predictions[row * kJoints];
+      covariance += actual * predicted;
+      predicted_squares += predicted * predicted;
+      true_squares += actual * actual;
+    }
+  }
+  return covariance / std::sqrt(predicted_squares * true_squares);
+}
+
 TrainJob Job(const TemporaryFolder& folder, const std::string& name, const std::string& preset = "plus") {
   TrainJob job;
-  job.datasets = {SwingingBody(40, 3)};
-  job.data_files = {"swing.h5"};
+  job.datasets = {PuppetShow(40, 3)};
+  job.data_files = {"show.h5"};
   job.options = PresetOptions(preset);
   job.options.width = 16;
   job.options.epochs = 20;
@@ -84,7 +131,7 @@ TrainJob Job(const TemporaryFolder& folder, const std::string& name, const std::
 }
 
 TEST(MakeTrainingSplit, HoldsOutTheEndOfEveryStretchAndLeavesOutLoneViews) {
-  Dataset dataset = SwingingBody(100, 3);
+  Dataset dataset = PuppetShow(100, 3);
   CameraView& first = dataset.sequences[0].cameras[0];
   CameraView& second = dataset.sequences[0].cameras[1];
   for (int t : {7, 8}) first.confidence[static_cast<std::size_t>(t * kJoints)] = 0.0F;  // the root: a missing view
@@ -99,7 +146,7 @@ TEST(MakeTrainingSplit, HoldsOutTheEndOfEveryStretchAndLeavesOutLoneViews) {
 }
 
 TEST(MakeTrainingSplit, CapturesOfDifferentFilesDoNotShareCameras) {
-  const TrainingSplit split = MakeTrainingSplit({SwingingBody(10, 2), SwingingBody(10, 2)}, 0.0);
+  const TrainingSplit split = MakeTrainingSplit({PuppetShow(10, 2), PuppetShow(10, 2)}, 0.0);
   EXPECT_EQ(split.training.static_captures.size(), 2U);
   EXPECT_NE(split.training.frames.front().capture, split.training.frames.back().capture);
 }
@@ -151,52 +198,33 @@ TEST(Train, InterruptedAndResumedGivesTheSameBitsAndMetrics) {
   EXPECT_EQ(lines(folder / "whole/metrics.jsonl"), lines(folder / "pieces/metrics.jsonl"));
 }
 
-TEST(Train, LearnsTheBodyWithTheRightSideInFrontForEverySeed) {
+TEST(Train, LearnsTheBodyTheRightWayRoundForEverySeed) {
   int flipped = 0;
-  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const TemporaryFolder folder;
     TrainJob job = Job(folder, "run");
-    job.datasets = {SwingingBody(150, 4)};
+    job.datasets = {PuppetShow(100, 4)};
     job.options.seed = seed;
-    job.options.width = 64;
-    job.options.epochs = 150;
+    job.options.width = 128;
+    job.options.epochs = 400;
     job.options.batch_frames = 32;
     job.options.learning_rate = 2e-3;
     const TrainReport report = Train(job);
     flipped += report.model.mirror.decision == "flipped" ? 1 : 0;
     EXPECT_NE(report.model.mirror.decision, "undecided") << seed;
+    EXPECT_GT(report.model.perspective, 0.2) << seed;
 
-    const ModelFile model = ReadModelFile(job.run_folder);
-    Lifter lifter = MakeLifter(model, "model.cpm", torch::kCPU);
-    TrainingSplit split = MakeTrainingSplit(job.datasets, 0.0);
+    Lifter lifter = MakeLifter(ReadModelFile(job.run_folder), "model.cpm", torch::kCPU);
+    EXPECT_GT(DepthCorrelation(lifter, job.datasets[0]), 0.95) << seed;
+    lifter->Mirror();
+    EXPECT_LT(DepthCorrelation(lifter, job.datasets[0]), -0.95) << seed;
+    const TrainingSplit split = MakeTrainingSplit(job.datasets, 0.0);
     const PerspectiveSlope slope = MeasurePerspectiveSlope(lifter, split.training, 0, torch::kCPU);
-    EXPECT_TRUE(slope.is_sure() && !slope.is_mirrored()) << seed << ": " << slope.Describe();
-
-    // Against the truth: predicted depths must go with the true ones, not against them.
-    const torch::NoGradGuard no_grad;
-    std::vector<const TrainingFrame*> frames;
-    for (const TrainingFrame& frame : split.training.frames) frames.push_back(&frame);
-    const BatchTensors batch = GatherBatch(split.training, frames, torch::kCPU);
-    const LifterOutput output = lifter->forward(LifterInput(batch));
-    const torch::Tensor depth = torch::bmm(output.rotation, output.pose).select(1, 2);  // (R, J), frames then cameras
-    double covariance = 0.0;
-    double predicted_squares = 0.0;
-    double true_squares = 0.0;
-    const std::vector<CameraView>& cameras = job.datasets[0].sequences[0].cameras;
-    for (std::int64_t row = 0; row < depth.size(0); ++row) {
-      const CameraView& view = cameras[static_cast<std::size_t>(row % 4)];
-      for (std::int64_t j = 1; j < kJoints; ++j) {
-        const auto base = static_cast<std::size_t>(row / 4) * kJoints;
-        const double truth = view.truth[(base + static_cast<std::size_t>(j)) * 3 + 2] - view.truth[base * 3 + 2];
-        const double predicted = depth[row][j].item<double>() - depth[row][0].item<double>();
-        covariance += truth * predicted;
-        predicted_squares += predicted * predicted;
-        true_squares += truth * truth;
-      }
-    }
-    EXPECT_GT(covariance / std::sqrt(predicted_squares * true_squares), 0.8) << seed;
+    EXPECT_TRUE(slope.is_sure() && slope.is_mirrored()) << seed << ": " << slope.Describe();
   }
-  RecordProperty("flipped", flipped);
+  // Which mirror training finds is chance; these seeds have both, so that both decisions are tried.
+  EXPECT_GT(flipped, 0);
+  EXPECT_LT(flipped, 3);
 }
 
 TEST(Train, MirrorByRequestIsTheExactMirror) {
@@ -241,7 +269,7 @@ TEST(Train, ResumingWithOtherDataIsRefused) {
   job.options.epochs = 1;
   Train(job);
   job.resume = true;
-  job.datasets = {SwingingBody(40, 3, /*seed=*/9)};
+  job.datasets = {PuppetShow(40, 3, /*seed=*/9)};
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("fingerprint"));
 }
 
@@ -277,7 +305,7 @@ TEST(Train, FullDiskKeepsTheLastCheckpoint) {
 TEST(Train, OneCameraIsNotEnough) {
   const TemporaryFolder folder;
   TrainJob job = Job(folder, "run");
-  job.datasets = {SwingingBody(40, 1)};
+  job.datasets = {PuppetShow(40, 1)};
   EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { Train(job); }), HasSubstr("two cameras"));
 }
 

@@ -38,6 +38,7 @@ struct Sequence {
   std::string capture;  ///< sequences with the same capture share their cameras; never empty
   int frame_count = 0;
   std::vector<CameraView> cameras;
+  bool capture_is_named = true;  ///< false where the file names none: then no other file's cameras are meant
 };
 
 /// Where the keypoints came from, so that a model can read the same kind of file later. Empty for files of other

@@ -204,7 +204,8 @@ Sequence ReadSequence(const h5::Group& group, const std::string& name, const Ske
   }
   sequence.static_cameras = is_static == 1;
   if (group.HasAttribute("capture")) sequence.capture = group.GetString("capture");
-  if (sequence.capture.empty()) sequence.capture = DefaultCapture(sequence);
+  sequence.capture_is_named = !sequence.capture.empty();
+  if (!sequence.capture_is_named) sequence.capture = DefaultCapture(sequence);
 
   const h5::Group cameras = group.Open("cameras");
   int frame_count = -1;

@@ -374,15 +374,12 @@ void DescribeStart(const TrainingSplit& split, const TrainOptions& options, cons
 void PrepareFolder(const TrainJob& job) {
   MakeDirectory(job.run_folder);
   if (job.resume) return;
-  for (const char* name : {"model.cpm", "checkpoint.h5", "metrics.jsonl", "train.log"}) {
-    const fs::path path = job.run_folder / name;
-    if (!fs::exists(path)) continue;
-    if (!job.overwrite) {
-      ThrowUsage("{} holds a training run already; add --resume to go on with it, --overwrite to replace it, or choose another folder",
-                 job.run_folder.string());
-    }
-    fs::remove(path);
+  const bool holds_run = fs::exists(job.run_folder / "model.cpm") || fs::exists(job.run_folder / "checkpoint.h5");
+  if (holds_run && !job.overwrite) {
+    ThrowUsage("{} holds a training run already; add --resume to go on with it, --overwrite to replace it, or choose another folder",
+               job.run_folder.string());
   }
+  for (const char* name : {"model.cpm", "checkpoint.h5", "metrics.jsonl", "train.log"}) fs::remove(job.run_folder / name);
 }
 
 void CheckDatasets(const TrainJob& job) {

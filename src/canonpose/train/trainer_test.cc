@@ -145,8 +145,11 @@ TEST(MakeTrainingSplit, HoldsOutTheEndOfEveryStretchAndLeavesOutLoneViews) {
   EXPECT_EQ(split.training.frames[7].views[0].camera, 1);
 }
 
-TEST(MakeTrainingSplit, CapturesOfDifferentFilesDoNotShareCameras) {
-  const TrainingSplit split = MakeTrainingSplit({PuppetShow(10, 2), PuppetShow(10, 2)}, 0.0);
+TEST(MakeTrainingSplit, NamedCapturesAreSharedByFilesOthersAreNot) {
+  std::vector<Dataset> datasets = {PuppetShow(10, 2), PuppetShow(10, 2)};
+  EXPECT_EQ(MakeTrainingSplit(datasets, 0.0).training.static_captures.size(), 1U);
+  for (Dataset& dataset : datasets) dataset.sequences[0].capture_is_named = false;
+  const TrainingSplit split = MakeTrainingSplit(datasets, 0.0);
   EXPECT_EQ(split.training.static_captures.size(), 2U);
   EXPECT_NE(split.training.frames.front().capture, split.training.frames.back().capture);
 }

@@ -38,7 +38,7 @@ class Builder {
   Builder(TrainingSplit& split, int root) : split_(split), root_(root) {}
 
   void Add(const Sequence& sequence, const std::string& dataset_key, double validation_share) {
-    const int capture = captures_(dataset_key + "/" + sequence.capture);
+    const int capture = captures_((sequence.capture_is_named ? "" : dataset_key) + "/" + sequence.capture);
     Numbering& cameras = cameras_[capture];
     split_.training.static_captures.resize(std::max<std::size_t>(split_.training.static_captures.size(), capture + 1), 1);
     if (!sequence.static_cameras) split_.training.static_captures[static_cast<std::size_t>(capture)] = 0;

@@ -40,7 +40,7 @@ struct TrainingSplit {
 };
 
 /// The frames of all datasets, `validation_share` of them held out: the end of every 50 frames of a sequence. Sequences of one capture share
-/// their cameras by name. Throws Error(kComputation) where no frame is seen by two cameras.
+/// their cameras by name, also across datasets where the capture is named in the file. Throws Error(kComputation) where no frame is seen by two cameras.
 TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double validation_share);
 
 }  // namespace canonpose

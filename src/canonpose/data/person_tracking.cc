@@ -11,6 +11,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
+#include "canonpose/data/track_joining.h"
 
 namespace canonpose {
 namespace {
@@ -246,6 +247,23 @@ void LogChoice(const DetectedCamera& camera, const std::vector<PersonTrack>& tra
   }
 }
 
+/// Says where the person was lost for long: found again, or perhaps to be found as somebody else.
+void LogLosses(const DetectedCamera& camera, const std::vector<PersonTrack>& tracks, int number) {
+  const auto chosen = static_cast<std::size_t>(number - 1);
+  const auto number_of = [&](int frame) { return camera.frames[static_cast<std::size_t>(frame)].number; };
+  for (const int frame : tracks[chosen].returns) {
+    LogInfo("{}: whoever appears at frame {} is taken for the person followed, come back", camera.name,
+            number_of(frame));
+  }
+  const std::vector<int> lost = FramesOfPossibleParts(camera, tracks, chosen);
+  if (lost.empty()) return;
+  LogWarning(
+      "{}: {} frames ({} to {}) are lost: somebody alike is seen there while the person followed is not, perhaps the "
+      "same "
+      "person; cut the clip, or use a detector that writes track ids",
+      camera.name, lost.size(), number_of(lost.front()), number_of(lost.back()));
+}
+
 }  // namespace
 
 std::vector<PersonTrack> TrackPeople(const DetectedCamera& camera) {
@@ -253,7 +271,7 @@ std::vector<PersonTrack> TrackPeople(const DetectedCamera& camera) {
   for (std::size_t frame = 0; frame < camera.frames.size(); ++frame) {
     tracker.Step(static_cast<int>(frame), camera.frames[frame].people);
   }
-  return tracker.Finish();
+  return JoinTracks(camera, tracker.Finish());
 }
 
 KeypointClip FollowPerson(const DetectedCamera& camera, int number) {
@@ -263,6 +281,7 @@ KeypointClip FollowPerson(const DetectedCamera& camera, int number) {
                    fmt::format("{}", tracks.size()), "choose a smaller --person"});
   }
   LogChoice(camera, tracks, number);
+  LogLosses(camera, tracks, number);
   const PersonTrack& track = tracks[static_cast<std::size_t>(number - 1)];
   const auto count = static_cast<std::size_t>(camera.keypoint_count);
   KeypointClip clip;

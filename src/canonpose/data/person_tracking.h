@@ -15,6 +15,7 @@ struct PersonTrack {
     int person;  ///< index into DetectedFrame::people
   };
   std::vector<Sighting> sightings;  ///< ascending frames
+  std::vector<int> returns;         ///< frames at which a track that was lost for long goes on, JoinTracks()
   double prominence =
       0.0;  ///< sum over frames of the box's diagonal in pixels times the mean confidence of all keypoints
 };
@@ -22,7 +23,7 @@ struct PersonTrack {
 /// The people of a clip, the most prominent first. Frame by frame, people are given to the tracks that predict them
 /// best: by the distance of their keypoints, weighted by confidence, from the track's last ones moved on with its
 /// velocity, relative to the person's size. Track ids of the file bind detections where they do not contradict that. A
-/// track outlives a gap of 60 frames.
+/// track outlives a gap of 60 frames; after a longer one it goes on where nobody else can be meant (JoinTracks()).
 std::vector<PersonTrack> TrackPeople(const DetectedCamera& camera);
 
 /// The keypoints of one person of a camera over T frames.
@@ -38,7 +39,8 @@ struct KeypointClip {
 };
 
 /// Follows the N-th most prominent person (1 is the most prominent) and says so in the log; warns where the choice was
-/// a close call. Throws Error(kBadInput) where fewer people are seen.
+/// a close call, and where frames are lost because the person may go on as somebody else. Throws Error(kBadInput) where
+/// fewer people are seen.
 KeypointClip FollowPerson(const DetectedCamera& camera, int number);
 
 }  // namespace canonpose

@@ -131,14 +131,74 @@ TEST(TrackPeople, MissingKeypointsDoNotBreakATrack) {
 }
 
 TEST(TrackPeople, TrackIdsBindWhatDistanceDoesNot) {
-  // After a long absence far away from where the person was: only the id says who it is.
-  Scene scene = MakeScene(
-      200, {400}, {0.8}, [](int t, int) { return t >= 50 && t < 150 ? std::nan("") : 300.0 + (t < 50 ? 0.0 : 900.0); });
-  EXPECT_EQ(TrackPeople(scene.camera).size(), 2U);
-  for (DetectedFrame& frame : scene.camera.frames) {
-    for (DetectedPerson& person : frame.people) person.track_id = 7;
+  // After a long absence far away from where the person was, with somebody else about: only the id says who it is.
+  Scene scene = MakeScene(200, {400, 400}, {0.8, 0.8}, [](int t, int p) {
+    if (p == 1) return 2000.0;
+    return t >= 50 && t < 150 ? std::nan("") : 300.0 + (t < 50 ? 0.0 : 900.0);
+  });
+  EXPECT_EQ(TrackPeople(scene.camera).size(), 3U);
+  for (std::size_t t = 0; t < scene.camera.frames.size(); ++t) {
+    for (std::size_t i = 0; i < scene.who[t].size(); ++i) scene.camera.frames[t].people[i].track_id = scene.who[t][i];
   }
-  EXPECT_EQ(TrackPeople(scene.camera).size(), 1U);
+  EXPECT_EQ(TrackPeople(scene.camera).size(), 2U);
+}
+
+/// What following the most prominent person writes to the log.
+std::string FollowLog(const Scene& scene) {
+  const TemporaryFolder folder;
+  {
+    const LogFile log(folder / "log");
+    FollowPerson(scene.camera, 1);
+  }
+  return ReadFile(folder / "log");
+}
+
+TEST(TrackPeople, ALonePersonComesBackAfterALongAbsence) {
+  const Scene scene = MakeScene(300, {400}, {0.8}, [](int t, int) {
+    return t >= 100 && t < 200 ? std::nan("") : 300.0 + (t < 100 ? 0.0 : 900.0);
+  });
+  const std::vector<PersonTrack> tracks = TrackPeople(scene.camera);
+  ASSERT_EQ(tracks.size(), 1U);
+  EXPECT_EQ(tracks[0].sightings.size(), 200U);
+  EXPECT_THAT(tracks[0].returns, ::testing::ElementsAre(200));
+  EXPECT_THAT(FollowLog(scene), AllOf(HasSubstr("1 person seen, in 200 of 300 frames"),
+                                      HasSubstr("appears at frame 200"), Not(HasSubstr("lost"))));
+}
+
+TEST(TrackPeople, APersonComesBackToTheSamePlaceAmongOthers) {
+  const Scene scene = MakeScene(300, {400, 400}, {0.8, 0.7}, [](int t, int p) {
+    return p == 0 && t >= 100 && t < 200 ? std::nan("") : 300.0 + 900.0 * p;
+  });
+  const std::vector<PersonTrack> tracks = TrackPeople(scene.camera);
+  ASSERT_EQ(tracks.size(), 2U);
+  EXPECT_EQ(CountPeople(scene, tracks[0]), (std::array<int, 2>{0, 300}));
+  EXPECT_EQ(CountPeople(scene, tracks[1]), (std::array<int, 2>{200, 0}));
+}
+
+TEST(TrackPeople, TwoWhoComeBackEachContinueAsThemselves) {
+  const Scene scene = MakeScene(300, {400, 400}, {0.8, 0.7},
+                                [](int t, int p) { return t >= 100 && t < 200 ? std::nan("") : 300.0 + 1200.0 * p; });
+  const std::vector<PersonTrack> tracks = TrackPeople(scene.camera);
+  ASSERT_EQ(tracks.size(), 2U);
+  EXPECT_EQ(CountPeople(scene, tracks[0]), (std::array<int, 2>{200, 0}));
+}
+
+TEST(TrackPeople, AnUncertainReturnIsNotJoinedButAWarning) {
+  // Somebody much alike is about while the one who is followed goes, and whoever comes does so elsewhere.
+  const Scene scene = MakeScene(300, {600, 400}, {0.8, 0.7}, [](int t, int p) {
+    if (p == 1) return t >= 100 && t < 240 ? 2500.0 : std::nan("");
+    return t >= 140 && t < 220 ? std::nan("") : 300.0 + (t < 140 ? 0.0 : 1200.0);
+  });
+  EXPECT_EQ(TrackPeople(scene.camera).size(), 3U);
+  EXPECT_THAT(FollowLog(scene),
+              AllOf(HasSubstr("in 140 of 300 frames"), HasSubstr("cam: 80 frames (220 to 299) are lost")));
+}
+
+TEST(TrackPeople, AFalseAlarmIsNotTakenForThePersonComeBack) {
+  const Scene scene = MakeScene(300, {400, 100}, {0.8, 0.3},
+                                [](int t, int p) { return (p == 0) == (t < 150) ? 300.0 + 100.0 * p : std::nan(""); });
+  EXPECT_EQ(TrackPeople(scene.camera).size(), 2U);
+  EXPECT_THAT(FollowLog(scene), Not(HasSubstr("lost")));
 }
 
 TEST(FollowPerson, TakesTheMostProminentOrTheOneAskedFor) {

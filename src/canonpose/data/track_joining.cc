@@ -1,0 +1,191 @@
+#include "canonpose/data/track_joining.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <Eigen/Core>
+
+namespace canonpose {
+namespace {
+
+using Eigen::Vector2d;
+
+/// Tracks with less of the first's prominence are false alarms; and a crowd has no use for more.
+constexpr double kPersonShare = 0.02;
+constexpr std::size_t kMostTracks = 64;
+/// The parts of one person have prominences a frame that differ by less than this factor, and sizes likewise.
+constexpr double kSameFactor = 2.5;
+/// Another track counts as somebody from these shares of the lesser part's prominence on, a frame and in all.
+constexpr double kRivalShareOfFrame = 0.4;
+constexpr double kRivalShareOfAll = 0.1;
+/// How far somebody gets, in person sizes: at once, and in a frame.
+constexpr double kReach = 2.0;
+constexpr double kReachPerFrame = 0.1;
+/// Among others: the same place and size, and whoever else is possible is at least this much farther off.
+constexpr double kSamePlace = 0.75;
+constexpr double kSameSizeFactor = 1.3;
+constexpr double kRunnerUpDistance = 2.0;
+/// The ends of a track are means over so many sightings.
+constexpr std::size_t kEndSightings = 5;
+
+struct End {
+  Vector2d place_px = Vector2d::Zero();
+  double size_px = 0.0;
+};
+
+/// What joining needs to know of a track.
+struct Part {
+  int first = 0;
+  int last = 0;
+  double prominence = 0.0;
+  double prominence_per_frame = 0.0;
+  End begin;
+  End end;
+};
+
+End MeanBox(const DetectedCamera& camera, const PersonTrack& track, std::size_t from, std::size_t count) {
+  End mean;
+  for (std::size_t i = from; i < from + count; ++i) {
+    const PersonTrack::Sighting& sighting = track.sightings[i];
+    const DetectedPerson& person =
+        camera.frames[static_cast<std::size_t>(sighting.frame)].people[static_cast<std::size_t>(sighting.person)];
+    Vector2d low = Vector2d::Constant(std::numeric_limits<double>::infinity());
+    Vector2d high = -low;
+    for (std::size_t k = 0; k < person.confidence.size(); ++k) {
+      if (person.confidence[k] <= 0.0F) continue;
+      const Vector2d point(person.keypoints[2 * k], person.keypoints[2 * k + 1]);
+      low = low.cwiseMin(point);
+      high = high.cwiseMax(point);
+    }
+    mean.place_px += 0.5 * (low + high) / static_cast<double>(count);
+    mean.size_px += std::max(1.0, (high - low).norm()) / static_cast<double>(count);
+  }
+  return mean;
+}
+
+Part MakePart(const DetectedCamera& camera, const PersonTrack& track) {
+  const std::size_t seen = track.sightings.size();
+  const std::size_t count = std::min(kEndSightings, seen);
+  Part part;
+  part.first = track.sightings.front().frame;
+  part.last = track.sightings.back().frame;
+  part.prominence = track.prominence;
+  part.prominence_per_frame = track.prominence / static_cast<double>(seen);
+  part.begin = MeanBox(camera, track, 0, count);
+  part.end = MeanBox(camera, track, seen - count, count);
+  return part;
+}
+
+bool LiveTogether(const Part& a, const Part& b) { return a.first <= b.last && b.first <= a.last; }
+
+double Factor(double a, double b) { return std::max(a, b) / std::min(a, b); }
+
+bool AreComparable(const Part& a, const Part& b) {
+  return Factor(a.prominence_per_frame, b.prominence_per_frame) < kSameFactor;
+}
+
+/// From the end of one to the beginning of the other, in person sizes.
+double Distance(const Part& earlier, const Part& later) {
+  return (earlier.end.place_px - later.begin.place_px).norm() / std::max(earlier.end.size_px, later.begin.size_px);
+}
+
+/// Whether `later` could be `earlier` come back.
+bool IsPossible(const Part& earlier, const Part& later) {
+  return earlier.last < later.first && AreComparable(earlier, later) &&
+         Factor(earlier.end.size_px, later.begin.size_px) < kSameFactor &&
+         Distance(earlier, later) < kReach + kReachPerFrame * (later.first - earlier.last);
+}
+
+bool HasRival(const std::vector<Part>& parts, std::size_t a, std::size_t b) {
+  const double of_frame = std::min(parts[a].prominence_per_frame, parts[b].prominence_per_frame);
+  const double of_all = std::min(parts[a].prominence, parts[b].prominence);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (i == a || i == b || (!LiveTogether(parts[i], parts[a]) && !LiveTogether(parts[i], parts[b]))) continue;
+    if (parts[i].prominence_per_frame > kRivalShareOfFrame * of_frame &&
+        parts[i].prominence > kRivalShareOfAll * of_all) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Whether the person came back to the same place, and neither part has another continuation nearly as near.
+bool IsOnlyPlausible(const std::vector<Part>& parts, std::size_t earlier, std::size_t later) {
+  const double distance = Distance(parts[earlier], parts[later]);
+  if (distance > kSamePlace || Factor(parts[earlier].end.size_px, parts[later].begin.size_px) > kSameSizeFactor) {
+    return false;
+  }
+  const double limit = distance + kRunnerUpDistance;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (i == earlier || i == later) continue;
+    if (IsPossible(parts[earlier], parts[i]) && Distance(parts[earlier], parts[i]) < limit) return false;
+    if (IsPossible(parts[i], parts[later]) && Distance(parts[i], parts[later]) < limit) return false;
+  }
+  return true;
+}
+
+std::size_t CountPeople(const std::vector<PersonTrack>& tracks) {
+  std::size_t count = 0;
+  while (count < std::min(kMostTracks, tracks.size()) &&
+         tracks[count].prominence >= kPersonShare * tracks.front().prominence) {
+    ++count;
+  }
+  return count;
+}
+
+/// The two parts to join next: those with the shortest absence between them.
+std::optional<std::pair<std::size_t, std::size_t>> NextPair(const std::vector<Part>& parts) {
+  std::optional<std::pair<std::size_t, std::size_t>> best;
+  int shortest = std::numeric_limits<int>::max();
+  for (std::size_t a = 0; a < parts.size(); ++a) {
+    for (std::size_t b = 0; b < parts.size(); ++b) {
+      const int gap = parts[b].first - parts[a].last;
+      if (a == b || gap >= shortest || !IsPossible(parts[a], parts[b])) continue;
+      if (HasRival(parts, a, b) && !IsOnlyPlausible(parts, a, b)) continue;
+      best = {a, b};
+      shortest = gap;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<PersonTrack> JoinTracks(const DetectedCamera& camera, std::vector<PersonTrack> tracks) {
+  const std::size_t people = CountPeople(tracks);
+  std::vector<Part> parts;
+  for (std::size_t i = 0; i < people; ++i) parts.push_back(MakePart(camera, tracks[i]));
+  while (const auto pair = NextPair(parts)) {
+    const auto [earlier, later] = *pair;
+    PersonTrack& track = tracks[earlier];
+    const PersonTrack& rest = tracks[later];
+    track.returns.push_back(rest.sightings.front().frame);
+    track.returns.insert(track.returns.end(), rest.returns.begin(), rest.returns.end());
+    track.sightings.insert(track.sightings.end(), rest.sightings.begin(), rest.sightings.end());
+    track.prominence += rest.prominence;
+    parts[earlier] = MakePart(camera, track);
+    parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(later));
+    tracks.erase(tracks.begin() + static_cast<std::ptrdiff_t>(later));
+  }
+  std::stable_sort(tracks.begin(), tracks.end(),
+                   [](const PersonTrack& a, const PersonTrack& b) { return a.prominence > b.prominence; });
+  return tracks;
+}
+
+std::vector<int> FramesOfPossibleParts(const DetectedCamera& camera, const std::vector<PersonTrack>& tracks,
+                                       std::size_t chosen) {
+  const Part part = MakePart(camera, tracks[chosen]);
+  std::set<int> frames;
+  for (std::size_t i = 0; i < CountPeople(tracks); ++i) {
+    const Part other = MakePart(camera, tracks[i]);
+    if (i == chosen || LiveTogether(part, other) || !AreComparable(part, other)) continue;
+    for (const PersonTrack::Sighting& sighting : tracks[i].sightings) frames.insert(sighting.frame);
+  }
+  return {frames.begin(), frames.end()};
+}
+
+}  // namespace canonpose

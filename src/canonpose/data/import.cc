@@ -33,13 +33,18 @@ constexpr float kLargestFraction = 2.0F;
 constexpr float kFarOutside = 0.1F;
 /// So many keypoints far outside mean that the size is wrong.
 constexpr double kManyOutside = 0.02;
+/// No detector's confidences go beyond this; AlphaPose's, maxima of heat maps, reach about 6.
+constexpr float kLargestConfidence = 100.0F;
+/// Nor does one exceed both this and so many times what 99 % of them stay below.
+constexpr float kSuspiciousConfidence = 10.0F;
+constexpr float kOutlierFactor = 10.0F;
 
 bool SamePath(const fs::path& a, const fs::path& b) {
   std::error_code error;
   return fs::equivalent(a, b, error) && !error;
 }
 
-void CheckCameraNames(const std::vector<CameraInput>& cameras) {
+void CheckCameraNamesAndPaths(const std::vector<CameraInput>& cameras) {
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const CameraInput& camera = cameras[i];
     if (camera.name.empty() || camera.name.front() == '.' || camera.name.find('/') != std::string::npos) {
@@ -47,10 +52,16 @@ void CheckCameraNames(const std::vector<CameraInput>& cameras) {
                      "\"" + camera.name + "\"", "name it with --camera NAME=PATH"});
     }
     for (std::size_t k = 0; k < i; ++k) {
-      if (cameras[k].name != camera.name) continue;
-      ThrowBadInput({camera.path.string(), "", "another name for each camera",
-                     fmt::format("camera {} at {} too", camera.name, cameras[k].path.string()),
-                     "name them with --camera NAME=PATH"});
+      if (cameras[k].name == camera.name) {
+        ThrowBadInput({camera.path.string(), "", "another name for each camera",
+                       fmt::format("camera {} at {} too", camera.name, cameras[k].path.string()),
+                       "name them with --camera NAME=PATH"});
+      }
+      if (SamePath(cameras[k].path, camera.path)) {
+        ThrowBadInput({camera.path.string(), "", "another folder or file for each camera",
+                       fmt::format("that of camera {} again for camera {}", cameras[k].name, camera.name),
+                       "give every camera once, with its own detections"});
+      }
     }
   }
 }
@@ -75,7 +86,7 @@ std::vector<CameraInput> FindCameras(const ImportOptions& options, const Detecti
   }
   std::stable_sort(cameras.begin(), cameras.end(),
                    [](const CameraInput& a, const CameraInput& b) { return a.name < b.name; });
-  CheckCameraNames(cameras);
+  CheckCameraNamesAndPaths(cameras);
   if (cameras.size() < 2) {
     ThrowBadInput({cameras.empty() ? "" : cameras.front().path.string(), "", "at least two cameras",
                    cameras.empty() ? "none" : "one, " + cameras.front().name,
@@ -148,8 +159,36 @@ void WarnOfKeypointsOutside(const KeypointClip& clip, const ImageSize& size) {
       size[0] != size[1] ? ", width comes first" : "");
 }
 
+/// Confidences are divided by the largest, so one wild value would make all others next to nothing.
+void RefuseWildConfidences(const DetectedCamera& camera) {
+  std::vector<float> seen;
+  float largest = 0.0F;
+  std::string place;
+  for (const DetectedFrame& frame : camera.frames) {
+    for (std::size_t p = 0; p < frame.people.size(); ++p) {
+      const std::vector<float>& confidence = frame.people[p].confidence;
+      for (std::size_t k = 0; k < confidence.size(); ++k) {
+        if (confidence[k] > 0.0F) seen.push_back(confidence[k]);
+        if (!(confidence[k] > largest)) continue;
+        largest = confidence[k];
+        if (largest > kSuspiciousConfidence)
+          place = fmt::format("frame {} ({}), person {}, keypoint {}", frame.number, frame.image, p, k);
+      }
+    }
+  }
+  if (largest <= kSuspiciousConfidence) return;
+  const auto rank = seen.begin() + static_cast<std::ptrdiff_t>((seen.size() - 1) * 99 / 100);
+  std::nth_element(seen.begin(), rank, seen.end());
+  if (largest <= kLargestConfidence && largest <= kOutlierFactor * *rank) return;
+  ThrowBadInput({camera.path, place,
+                 fmt::format("a confidence such as the others, 99 % of which are up to {:.3g}, and never above {:.0f}",
+                             *rank, kLargestConfidence),
+                 fmt::format("{:.6g}", largest), "correct or remove that detection, or run the detector again"});
+}
+
 KeypointClip ReadClip(const DetectionFormat& format, const CameraInput& input, int person) {
   const DetectedCamera camera = format.read(input);
+  RefuseWildConfidences(camera);
   KeypointClip clip = FollowPerson(camera, person);
   RefuseFractions(clip);
   return clip;
@@ -222,6 +261,21 @@ void AlignByNumber(std::vector<KeypointClip>& clips) {
     const std::size_t missing = numbers.size() - clip.frame_numbers.size();
     if (missing > 0) LogInfo("{}: {} of {} frames missing", clip.name, missing, numbers.size());
     clip = Spread(clip, numbers);
+  }
+}
+
+/// One camera's detections given twice would teach that two views agree in everything. The clips are aligned.
+void RefuseIdenticalClips(const std::vector<KeypointClip>& clips) {
+  const auto is_same = [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (!std::equal(clips[i].keypoints.begin(), clips[i].keypoints.end(), clips[k].keypoints.begin(),
+                      clips[k].keypoints.end(), is_same))
+        continue;
+      ThrowBadInput({clips[i].path, "", fmt::format("keypoints of camera {}'s own", clips[i].name),
+                     fmt::format("those of camera {} ({}) in every frame", clips[k].name, clips[k].path),
+                     "give every camera once, with its own detections"});
+    }
   }
 }
 
@@ -313,6 +367,7 @@ Dataset ImportDetections(const ImportOptions& options) {
   } else {
     CheckSameCounts(clips);
   }
+  RefuseIdenticalClips(clips);
   const LayoutMapping mapping = MappingTo(layout, options.skeleton);
   const double scale = ConfidenceScale(clips);
   if (scale > 1.0) LogInfo("confidences reach {:.3g}; all are divided by that", scale);
@@ -346,12 +401,14 @@ SingleCamera ReadSingleCamera(const fs::path& path, const SingleCameraOptions& o
   std::vector<CameraInput> cameras = format.find_cameras(path);
   std::string names;
   for (const CameraInput& camera : cameras) names += (names.empty() ? "" : ", ") + camera.name;
-  if (!options.camera.empty() && cameras.size() > 1) {
+  const bool is_one = cameras.size() == 1;
+  if (!options.camera.empty()) {
     std::erase_if(cameras, [&](const CameraInput& camera) { return camera.name != options.camera; });
   }
   if (cameras.size() != 1) {
     ThrowBadInput({path.string(), "", options.camera.empty() ? "one camera" : "camera " + options.camera,
-                   "the cameras " + names, "choose one with --camera NAME"});
+                   (is_one ? "the camera " : "the cameras ") + names,
+                   is_one ? "leave --camera out, or give its name" : "choose one with --camera NAME"});
   }
   std::vector<KeypointClip> clips{ReadClip(format, cameras.front(), options.person)};
   const Skeleton& layout = CheckLayout(clips, options.layout);

@@ -53,7 +53,7 @@ struct SingleCameraOptions {
   std::string layout;             ///< empty: by number of keypoints and anatomy
   double confidence_scale = 0.0;  ///< what to divide confidences by; 0: their largest, if above 1
   Skeleton skeleton;              ///< what to map to; without joints: the detector's own
-  std::string camera;             ///< which one where `path` holds several; empty: there must be one
+  std::string camera;             ///< which one, by name, that must be there; empty: there must be one
   int person = 1;
   std::array<int, 2> image_size{0, 0};  ///< kept as it is
 };

@@ -139,6 +139,38 @@ TEST(ImportDetections, ConfidencesAboveOneAreScaled) {
   EXPECT_THAT(ImportLog(options), HasSubstr("all are divided by that"));
 }
 
+TEST(ImportDetections, AWildConfidenceIsRefused) {
+  const auto error_with = [](const std::string& confidence) {
+    const Copy copy;
+    std::string text = ReadFile(copy.Frame(2, 3));
+    const std::size_t begin = text.find("pose_keypoints_2d");
+    const std::size_t first = text.find(',', text.find(',', begin) + 1) + 1;  // the confidence of keypoint 0
+    text.replace(first, text.find(',', first) - first, confidence);
+    WriteFileAtomically(copy.Frame(2, 3), text);
+    return ImportError(copy.options);
+  };
+  EXPECT_THAT(error_with("1e6"),
+              AllOf(HasSubstr("in/cam2: frame 3 (cam2_000000000003_keypoints.json), person 0, keypoint 0"),
+                    HasSubstr("never above 100, found 1e+06")));
+  EXPECT_THAT(error_with("60.5"), AllOf(HasSubstr("99 % of which are up to"), HasSubstr("found 60.5")));
+}
+
+TEST(ImportDetections, LargeConfidencesOfAlphaPoseAreNoWildOnes) {
+  const TemporaryFolder folder;
+  fs::copy(TestData("detections/alphapose"), folder / "in", fs::copy_options::recursive);
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder / "in")) {
+    if (entry.is_regular_file()) {
+      // The largest documented value among the sample's 1 to 4.
+      std::string text = ReadFile(entry.path());
+      const std::size_t begin = text.find("\"keypoints\"");
+      const std::size_t first = text.find(',', text.find(',', begin) + 1) + 1;
+      text.replace(first, text.find(',', first) - first, "6.5");
+      WriteFileAtomically(entry.path(), text);
+    }
+  }
+  EXPECT_NEAR(ImportDetections(Options("alphapose", folder / "in")).source.confidence_scale, 6.5, 1e-6);
+}
+
 TEST(ImportDetections, OptionsReachTheSequence) {
   ImportOptions options = OpenPose();
   options.name = "walk";
@@ -194,6 +226,23 @@ TEST(ImportDetections, OneCameraIsRefused) {
   ImportOptions options = Options("openpose", TestData("detections/openpose/cam1"));
   options.paths.push_back(TestData("detections/openpose/cam1"));
   EXPECT_THAT(ImportError(options), HasSubstr("expected another name for each camera"));
+}
+
+TEST(ImportDetections, OneCameraUnderTwoNamesIsRefused) {
+  ImportOptions options = OpenPose();
+  options.paths.clear();
+  options.cameras = {{"left", TestData("detections/openpose/cam1")}, {"right", TestData("detections/openpose/cam1")}};
+  EXPECT_THAT(ImportError(options), HasSubstr("that of camera left again for camera right"));
+  const Copy linked;
+  fs::create_directory_symlink(linked.path() / "cam1", linked.path() / "cam3");
+  EXPECT_THAT(ImportError(linked.options), HasSubstr("that of camera cam1 again for camera cam3"));
+}
+
+TEST(ImportDetections, CamerasWithTheSameKeypointsAreRefused) {
+  const Copy copy;
+  fs::copy(copy.path() / "cam1", copy.path() / "cam3", fs::copy_options::recursive);
+  EXPECT_THAT(ImportError(copy.options), AllOf(HasSubstr("in/cam3: expected keypoints of camera cam3's own"),
+                                               HasSubstr("those of camera cam1"), HasSubstr("in every frame")));
 }
 
 TEST(ImportDetections, EmptyFoldersAreRefused) {
@@ -417,6 +466,16 @@ TEST(ReadSingleCamera, SeveralCamerasMustBeChosenFrom) {
   options.camera.clear();
   const SingleCamera single = ReadSingleCamera(path / "cam1", options);
   EXPECT_EQ(single.skeleton.name, "body_25");
+}
+
+TEST(ReadSingleCamera, ANamedCameraMustBeTheOneThatIsThere) {
+  SingleCameraOptions options;
+  options.camera = "cam9";
+  const fs::path path = TestData("detections/openpose/cam1");
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadSingleCamera(path, options); }),
+              AllOf(HasSubstr("expected camera cam9, found the camera cam1"), HasSubstr("leave --camera out")));
+  options.camera = "cam1";
+  EXPECT_EQ(ReadSingleCamera(path, options).view.name, "cam1");
 }
 
 }  // namespace

@@ -181,6 +181,18 @@ std::vector<T> CopyValues(const std::string& bytes, const Header& header, const 
   return header.fortran_order ? ToRowMajor(values, header.shape) : values;
 }
 
+/// Texts of width 0 take no bytes, so only the shape tells how many there are.
+std::vector<std::string> EmptyTexts(const Header& header, std::size_t available, const Place& place) {
+  constexpr std::size_t kMaxCount = 1 << 24;
+  std::size_t count = 1;
+  for (const std::size_t size : header.shape) {
+    if (size > 0 && count > kMaxCount / size) place.FailHeader();
+    count *= size;
+  }
+  if (available != 0) place.FailHeader();
+  return std::vector<std::string>(count);
+}
+
 std::vector<std::string> CopyTexts(const std::string& bytes, const Header& header, const Place& place) {
   const bool wide = header.descr[1] == 'U';
   std::size_t width = 0;
@@ -188,10 +200,7 @@ std::vector<std::string> CopyTexts(const std::string& bytes, const Header& heade
   constexpr std::size_t kMaxWidth = 1 << 20;
   if (std::from_chars(header.descr.data() + 2, end, width).ptr != end || width > kMaxWidth) place.FailHeader();
   const std::size_t available = bytes.size() - header.data_offset;
-  if (width == 0) {
-    if (available != 0) place.FailHeader();
-    return {};
-  }
+  if (width == 0) return EmptyTexts(header, available, place);
   const std::size_t count = CheckedCount(header, (wide ? 4 : 1) * width, available, place);
   std::vector<std::string> texts = DecodeTexts(bytes.data() + header.data_offset, count, width, wide);
   return header.fortran_order ? ToRowMajor(texts, header.shape) : texts;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <list>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -48,12 +49,15 @@ struct NpzReader::State {
 
 NpzReader::NpzReader(const fs::path& path) : state_(std::make_unique<State>()) {
   state_->file = path.string();
-  if (!fs::exists(path)) ThrowBadInput({path.string(), "", "a file", "nothing", "check the path"});
+  std::error_code code;
+  if (!fs::exists(path, code)) {
+    ThrowBadInput({path.string(), "", "a file", code ? code.message() : "nothing", "check the path"});
+  }
   int error = 0;
   state_->archive = zip_open(path.c_str(), ZIP_RDONLY | ZIP_CHECKCONS, &error);
   if (state_->archive == nullptr) {
     ThrowBadInput({path.string(), "", "a NumPy .npz archive",
-                   fs::is_directory(path) ? "a folder" : "another format, or one that is cut short or damaged",
+                   fs::is_directory(path, code) ? "a folder" : "another format, or one that is cut short or damaged",
                    "save it again with numpy.savez"});
   }
   for (zip_int64_t i = 0; i < zip_get_num_entries(state_->archive, 0); ++i) {

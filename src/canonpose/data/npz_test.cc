@@ -7,6 +7,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/testing.h"
+#include "canonpose/data/npy.h"
 
 namespace canonpose {
 namespace {
@@ -90,6 +91,23 @@ TEST(NpzTest, ReadsWhatNumPyWrites) {
   }
 }
 
+TEST(NpzTest, TextsOfNoWidthAreAsManyAsTheShapeSays) {
+  const auto count = [](const std::vector<std::size_t>& shape) {
+    const NpyArray array = npy::Parse(npy::MakeHeader("<U0", shape), "a.npz", "a");
+    return std::get<std::vector<std::string>>(array.values).size();
+  };
+  EXPECT_EQ(count({}), 1U);
+  EXPECT_EQ(count({3}), 3U);
+  EXPECT_EQ(count({2, 3}), 6U);
+  EXPECT_EQ(count({0}), 0U);
+  EXPECT_EQ(count({5, 0}), 0U);
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput,
+                      [&] {
+                        count({std::size_t{1} << 40, std::size_t{1} << 40});
+                      }),
+              HasSubstr("array a: expected a NumPy array, found a damaged header"));
+}
+
 TEST(NpzTest, DamagedFilesAreRefusedInOneLine) {
   const TemporaryFolder folder;
   WriteSample(folder / "a.npz", true);
@@ -109,6 +127,8 @@ TEST(NpzTest, DamagedFilesAreRefusedInOneLine) {
   WriteFileAtomically(folder / "bad.npz", "no archive at all");
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, read_all), HasSubstr("npz"));
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { NpzReader(folder / "none.npz"); }), HasSubstr("check the path"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { NpzReader(folder / std::string(300, 'x')); }),
+              HasSubstr("File name too long"));
 }
 
 }  // namespace

@@ -1,14 +1,14 @@
 #include "canonpose/base/atomic_file.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <system_error>
 #include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "canonpose/base/error.h"
 
@@ -28,6 +28,49 @@ int Sync(const fs::path& path, int flags) {
 
 fs::path FolderOf(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
+/// The place that links at `path` lead to, whether there is something or not. Throws where they lead round in a circle.
+fs::path ResolveLinks(const fs::path& path) {
+  constexpr int kMostLinks = 40;
+  fs::path target = path;
+  std::error_code error;
+  for (int i = 0; fs::is_symlink(target, error); ++i) {
+    const fs::path next = fs::read_symlink(target, error);
+    if (error) ThrowCannotWrite(path, error.value());
+    if (i == kMostLinks) ThrowCannotWrite(path, ELOOP);
+    target = FolderOf(target) / next;  // an absolute `next` stands alone
+  }
+  return target;
+}
+
+/// Whether bytes can only be passed on to what is at `path`: a pipe, a device, or an open file of a process by its
+/// number.
+bool IsStream(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::is_fifo(status) || fs::is_character_file(status) || fs::is_socket(status)) return true;
+  if (!fs::exists(status) || fs::is_directory(status)) return false;
+  const fs::path folder = fs::canonical(FolderOf(path), error);
+  if (!error && folder.string().starts_with("/proc/")) return true;
+  // /dev/stdout and the like are links to the numbers.
+  const fs::path next = fs::read_symlink(path, error);
+  return !error && next.string().starts_with("/proc/self/fd/");
+}
+
+/// Writes everything and closes the descriptor; the error number, 0 where it went well.
+int WriteAndClose(int descriptor, std::string_view contents) {
+  while (!contents.empty()) {
+    const ssize_t written = ::write(descriptor, contents.data(), contents.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) {
+      const int failure = errno;
+      ::close(descriptor);
+      return failure;
+    }
+    contents.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return ::close(descriptor) == 0 ? 0 : errno;
+}
+
 }  // namespace
 
 void ThrowCannotWrite(const fs::path& path, int error_number) {
@@ -42,12 +85,19 @@ void MakeDirectory(const fs::path& directory) {
   std::error_code error;
   fs::create_directories(directory, error);
   if (error) ThrowCannotWrite(directory, error.value());
-  if (!fs::is_directory(directory)) ThrowCannotWrite(directory, ENOTDIR);
+  if (!fs::is_directory(directory, error)) ThrowCannotWrite(directory, ENOTDIR);
 }
 
 AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)) {
-  if (fs::is_directory(path_)) ThrowCannotWrite(path_, EISDIR);
-  std::string pattern = (FolderOf(path_) / (".new-" + path_.filename().string() + "-XXXXXX")).string();
+  std::error_code error;
+  const fs::file_status status = fs::status(path_, error);
+  if (fs::is_directory(status)) ThrowCannotWrite(path_, EISDIR);
+  if (IsStream(path_) || (fs::exists(status) && !fs::is_regular_file(status))) {
+    ThrowBadInput({path_.string(), "", "a regular file or a new one", "a pipe, device or the like",
+                   "choose a file with -o: this output cannot be streamed"});
+  }
+  target_ = ResolveLinks(path_);
+  std::string pattern = (FolderOf(target_) / (".new-" + target_.filename().string() + "-XXXXXX")).string();
   const int descriptor = ::mkstemp(pattern.data());
   if (descriptor < 0) ThrowCannotWrite(path_, errno);
   // mkstemp makes files private; give the permissions an ordinary file would have.
@@ -64,26 +114,22 @@ AtomicFile::~AtomicFile() {
 
 void AtomicFile::Commit() {
   if (const int failure = Sync(temporary_path_, O_RDWR); failure != 0) ThrowCannotWrite(path_, failure);
-  if (::rename(temporary_path_.c_str(), path_.c_str()) != 0) ThrowCannotWrite(path_, errno);
+  if (::rename(temporary_path_.c_str(), target_.c_str()) != 0) ThrowCannotWrite(path_, errno);
   committed_ = true;
-  Sync(FolderOf(path_), O_RDONLY | O_DIRECTORY);  // best effort: not every file system can sync a folder
+  Sync(FolderOf(target_), O_RDONLY | O_DIRECTORY);  // best effort: not every file system can sync a folder
 }
 
 void WriteFileAtomically(const fs::path& path, std::string_view contents) {
+  if (IsStream(path)) {
+    const int stream = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+    if (stream < 0) ThrowCannotWrite(path, errno);
+    if (const int failure = WriteAndClose(stream, contents); failure != 0) ThrowCannotWrite(path, failure);
+    return;
+  }
   AtomicFile file(path);
   const int descriptor = ::open(file.temporary_path().c_str(), O_WRONLY | O_CLOEXEC);
   if (descriptor < 0) ThrowCannotWrite(path, errno);
-  while (!contents.empty()) {
-    const ssize_t written = ::write(descriptor, contents.data(), contents.size());
-    if (written < 0) {
-      if (errno == EINTR) continue;
-      const int failure = errno;
-      ::close(descriptor);
-      ThrowCannotWrite(path, failure);
-    }
-    contents.remove_prefix(static_cast<std::size_t>(written));
-  }
-  if (::close(descriptor) != 0) ThrowCannotWrite(path, errno);
+  if (const int failure = WriteAndClose(descriptor, contents); failure != 0) ThrowCannotWrite(path, failure);
   file.Commit();
 }
 
@@ -103,7 +149,8 @@ std::string ReadFile(const fs::path& path) {
   if (descriptor < 0) fail(errno);
   std::string contents;
   struct stat status {};
-  if (::fstat(descriptor, &status) == 0 && status.st_size > 0) contents.reserve(static_cast<std::size_t>(status.st_size));
+  if (::fstat(descriptor, &status) == 0 && status.st_size > 0)
+    contents.reserve(static_cast<std::size_t>(status.st_size));
   char buffer[1 << 16];
   while (true) {
     const ssize_t count = ::read(descriptor, buffer, sizeof buffer);

@@ -10,10 +10,12 @@ namespace canonpose {
 /// Creates `directory` and its parents. Throws Error(kBadInput) where that fails or something else stands there.
 void MakeDirectory(const std::filesystem::path& directory);
 
-/// A temporary file beside `path` that Commit() moves into place; without Commit() it is removed and `path` is untouched.
+/// A temporary file beside `path` that Commit() moves into place; without Commit() it is removed and `path` is
+/// untouched. Where `path` is a symbolic link, the file it points to is replaced, and the link stays.
 class AtomicFile {
  public:
-  /// Throws Error(kBadInput) where the folder does not exist or cannot be written.
+  /// Throws Error(kBadInput) where the folder does not exist or cannot be written, or something stands at `path` that
+  /// is no regular file.
   explicit AtomicFile(std::filesystem::path path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
@@ -27,12 +29,14 @@ class AtomicFile {
   void Commit();
 
  private:
-  std::filesystem::path path_;
+  std::filesystem::path path_;    // as the caller gave it
+  std::filesystem::path target_;  // links resolved
   std::filesystem::path temporary_path_;
   bool committed_ = false;
 };
 
-/// Writes `contents` as a whole. Throws Error(kBadInput), with the system's reason and the old file kept.
+/// Writes `contents` as a whole; straight into what is there where that is a pipe or a device such as /dev/stdout.
+/// Throws Error(kBadInput), with the system's reason and the old file kept.
 void WriteFileAtomically(const std::filesystem::path& path, std::string_view contents);
 
 /// Adds a line to a file, made where there is none. Throws Error(kBadInput).

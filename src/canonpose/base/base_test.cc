@@ -1,12 +1,15 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <fstream>
 #include <set>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
@@ -19,8 +22,8 @@ namespace canonpose {
 namespace {
 
 using ::testing::AllOf;
-using ::testing::HasSubstr;
 using testing::ErrorOf;
+using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 TEST(Error, BadInputIsOneLineWithAllParts) {
@@ -124,6 +127,54 @@ TEST(AtomicFile, FullDiskKeepsTheOldFile) {
   EXPECT_THAT(message, HasSubstr("free some space"));
   EXPECT_EQ(ReadFile(folder / "a"), "old");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(AtomicFile, WritesToWhatALinkPointsTo) {
+  namespace fs = std::filesystem;
+  const TemporaryFolder folder;
+  MakeDirectory(folder / "below");
+  WriteFileAtomically(folder / "below/a", "old");
+  fs::create_symlink("below/a", folder / "link");
+  fs::create_symlink("link", folder / "link to link");
+  WriteFileAtomically(folder / "link to link", "new");
+  EXPECT_TRUE(fs::is_symlink(folder / "link to link"));
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(ReadFile(folder / "below/a"), "new");
+  fs::create_symlink(folder / "below/b", folder / "dangling");
+  WriteFileAtomically(folder / "dangling", "first");
+  EXPECT_EQ(ReadFile(folder / "below/b"), "first");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "below"), {}), 2);
+  fs::create_symlink("circle", folder / "circle");
+  ErrorOf(ExitCode::kBadInput, [&] { WriteFileAtomically(folder / "circle", ""); });
+}
+
+TEST(AtomicFile, PipesAndDevicesAreWrittenToAndNeverReplaced) {
+  namespace fs = std::filesystem;
+  const TemporaryFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  const int reader = ::open((folder / "pipe").c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  WriteFileAtomically(folder / "pipe", "hello");
+  char buffer[16] = {};
+  EXPECT_EQ(::read(reader, buffer, sizeof buffer), 5);
+  ::close(reader);
+  EXPECT_STREQ(buffer, "hello");
+  EXPECT_TRUE(fs::is_fifo(folder / "pipe"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { AtomicFile file(folder / "pipe"); }),
+              HasSubstr("expected a regular file or a new one"));
+  // A link stands for the device, so that a fault here would not replace the machine's own.
+  fs::create_symlink("/dev/null", folder / "null");
+  WriteFileAtomically(folder / "null", "gone");
+  EXPECT_TRUE(fs::is_symlink(folder / "null"));
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { AtomicFile file(folder / "null"); }), HasSubstr("device"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { WriteFileAtomically(folder.path(), ""); }), HasSubstr("directory"));
+}
+
+TEST(AtomicFile, TooLongNamesAreOneLine) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { WriteFileAtomically(folder / std::string(300, 'x'), ""); }),
+              HasSubstr("File name too long"));
 }
 
 TEST(MakeDirectory, RefusesAFileInTheWay) {

@@ -1,5 +1,7 @@
 #include "canonpose/data/readers/openpose.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
@@ -19,6 +21,38 @@ constexpr const char* kFolderAdvice =
 bool IsEmptyFolder(const fs::path& folder) {
   std::error_code error;
   return fs::is_empty(folder, error) && !error;
+}
+
+/// Whether a file is one frame, and not a calibration or the like.
+bool IsFrameFile(const fs::path& file) {
+  if (!LastNumber(file.filename().string()) || FirstCharacter(file) != '{') return false;
+  return JsonValue::Load(file).Has("people");
+}
+
+bool HasFrames(const std::vector<fs::path>& files) { return std::any_of(files.begin(), files.end(), IsFrameFile); }
+
+/// The first folder below that holds frames; empty where there is none.
+fs::path FolderOfFramesBelow(const fs::path& folder, int levels) {
+  for (const fs::path& inner : FoldersIn(folder)) {
+    if (HasFrames(JsonFilesIn(inner))) return inner;
+    if (levels == 1) continue;
+    if (fs::path below = FolderOfFramesBelow(inner, levels - 1); !below.empty()) return below;
+  }
+  return {};
+}
+
+/// Refuses a folder beside those of cameras that holds no frames itself but would be missed.
+void RefuseLeftOut(const fs::path& folder) {
+  if (IsEmptyFolder(folder)) {
+    ThrowBadInput({folder.string(), "", "one JSON file a frame", "an empty folder",
+                   "remove it, or run the detector on that camera again"});
+  }
+  constexpr int kLevels = 3;
+  if (const fs::path below = FolderOfFramesBelow(folder, kLevels); !below.empty()) {
+    ThrowBadInput({folder.string(), "", "one JSON file a frame, as the folders beside it have",
+                   "frames only deeper down, in " + below.string(),
+                   fmt::format("move them up, or add --camera {}={}", folder.filename().string(), below.string())});
+  }
 }
 
 /// The body keypoints of one entry of `people`; an empty array where the run had the body switched off.
@@ -65,19 +99,21 @@ std::vector<CameraInput> FindOpenPoseCameras(const fs::path& path) {
   }
   const std::vector<fs::path> files = JsonFilesIn(path);  // throws where there is no such folder
   std::vector<CameraInput> cameras;
-  std::vector<fs::path> empty;
+  std::vector<fs::path> others;
   for (const fs::path& folder : FoldersIn(path)) {
-    if (!JsonFilesIn(folder).empty()) {
+    if (JsonFilesIn(folder).empty()) {
+      others.push_back(folder);
+    } else {
       cameras.push_back({CameraNameOf(folder), folder});
-    } else if (IsEmptyFolder(folder)) {
-      empty.push_back(folder);
     }
   }
   if (!cameras.empty()) {
-    if (!empty.empty()) {
-      ThrowBadInput({empty.front().string(), "", "one JSON file a frame", "an empty folder",
-                     "remove it, or run the detector on that camera again"});
+    if (HasFrames(files)) {
+      ThrowBadInput({path.string(), "", "frames, or a sub-folder of those for each camera",
+                     fmt::format("both: frames, and sub-folder {} with JSON files", cameras.front().name),
+                     "move one of them elsewhere, or name each camera's folder with --camera NAME=PATH"});
     }
+    for (const fs::path& folder : others) RefuseLeftOut(folder);
     return cameras;
   }
   if (files.empty()) {

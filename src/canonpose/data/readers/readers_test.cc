@@ -248,6 +248,31 @@ TEST(OpenPose, FoldersAreChecked) {
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadAll("openpose", folder / "none"); }), HasSubstr("No such file"));
 }
 
+TEST(OpenPose, FramesBesideFoldersOfFramesAreRefused) {
+  const TemporaryFolder folder;
+  MakeDirectory(folder / "cam1");
+  WriteFileAtomically(folder.path() / "cam1" / "1.json", OpenPoseFrame("1,2,0.5"));
+  WriteFileAtomically(folder / "frame_1.json", OpenPoseFrame("1,2,0.5"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { FindDetectionFormat("openpose").find_cameras(folder.path()); }),
+              AllOf(HasSubstr("found both: frames, and sub-folder cam1"), HasSubstr("--camera NAME=PATH")));
+  fs::rename(folder / "frame_1.json", folder / "calibration_1.json");
+  WriteFileAtomically(folder / "calibration_1.json", "{\"cameras\": {}}");
+  EXPECT_EQ(FindDetectionFormat("openpose").find_cameras(folder.path()).size(), 1U);
+}
+
+TEST(OpenPose, ACameraWithItsFramesDeeperDownIsNotLeftOut) {
+  const TemporaryFolder folder;
+  MakeDirectory(folder / "cam1");
+  WriteFileAtomically(folder.path() / "cam1" / "1.json", OpenPoseFrame("1,2,0.5"));
+  MakeDirectory(folder / "cam2/run/json");
+  const auto find = [&] { return FindDetectionFormat("openpose").find_cameras(folder.path()); };
+  EXPECT_EQ(find().size(), 1U);
+  WriteFileAtomically(folder / "cam2/run/json/1.json", OpenPoseFrame("1,2,0.5"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, find),
+              AllOf(HasSubstr("cam2: expected one JSON file a frame"), HasSubstr("frames only deeper down"),
+                    HasSubstr("--camera cam2=")));
+}
+
 TEST(OpenPose, ReadsTheRealRecording) {
   CANONPOSE_SKIP_WITHOUT_SHARED("data/balancing");
   const std::vector<DetectedCamera> cameras = ReadAll("openpose", Shared("data/balancing"));

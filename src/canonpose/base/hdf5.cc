@@ -1,14 +1,18 @@
 #include "canonpose/base/hdf5.h"
 
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <system_error>
+#include <type_traits>
+#include <utility>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <hdf5.h>
-
-#include <algorithm>
-#include <cerrno>
-#include <mutex>
-#include <type_traits>
-#include <utility>
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
@@ -40,8 +44,8 @@ class Id {
   Closer closer_;
 };
 
-/// HDF5 prints a stack of its own on every error; ours are told in one line. And where a file could not be written, as on a full disk,
-/// it would try again at exit and crash.
+/// HDF5 prints a stack of its own on every error; ours are told in one line. And where a file could not be written, as
+/// on a full disk, it would try again at exit and crash.
 void PrepareLibrary() {
   static std::once_flag once;
   std::call_once(once, [] {
@@ -82,11 +86,23 @@ std::string WithoutPadding(const char* text, std::size_t size) {
   return value;
 }
 
-Id VariableStringType() {
+Id StringType(std::size_t size) {
   Id type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, H5T_VARIABLE);
+  H5Tset_size(type, size);
   H5Tset_cset(type, H5T_CSET_UTF8);
+  if (size != H5T_VARIABLE) H5Tset_strpad(type, H5T_STR_NULLPAD);
   return type;
+}
+
+/// Attributes share a header of 64 KiB at most; what claims many times that is damaged.
+constexpr std::size_t kLargestAttributeBytes = std::size_t{1} << 28;
+
+/// How many values an attribute has; nothing where the file is damaged so that there is no telling.
+std::optional<std::size_t> AttributeCount(hid_t type, hid_t space) {
+  const hssize_t count = H5Sget_simple_extent_npoints(space);
+  const std::size_t size = H5Tget_size(type);
+  if (count < 0 || size == 0 || static_cast<std::size_t>(count) > kLargestAttributeBytes / size) return std::nullopt;
+  return static_cast<std::size_t>(count);
 }
 
 }  // namespace
@@ -143,7 +159,9 @@ std::vector<std::string> Group::GetStrings(const std::string& name) const {
   Id type(H5Aget_type(attribute), H5Tclose);
   Id space(H5Aget_space(attribute), H5Sclose);
   if (H5Tget_class(type) != H5T_STRING) Fail(place, "text", "another type", "");
-  const auto count = static_cast<std::size_t>(H5Sget_simple_extent_npoints(space));
+  const std::optional<std::size_t> known_count = AttributeCount(type, space);
+  if (!known_count) Fail(place, "text", "damaged data", "");
+  const std::size_t count = *known_count;
   std::vector<std::string> values;
   if (H5Tis_variable_str(type) > 0) {
     std::vector<char*> pointers(count, nullptr);
@@ -153,7 +171,7 @@ std::vector<std::string> Group::GetStrings(const std::string& name) const {
   } else {
     const std::size_t size = H5Tget_size(type);
     std::vector<char> text(size * count);
-    if (H5Aread(attribute, type, text.data()) < 0) Fail(place, "text", "damaged data", "");
+    if (count > 0 && H5Aread(attribute, type, text.data()) < 0) Fail(place, "text", "damaged data", "");
     for (std::size_t i = 0; i < count; ++i) values.push_back(WithoutPadding(&text[i * size], size));
   }
   return values;
@@ -166,29 +184,58 @@ std::string Group::GetString(const std::string& name) const {
 }
 
 namespace {
+/// The values of an attribute of numbers; nothing where it is none or cannot be read.
 template <typename T>
-std::vector<T> ReadNumbers(hid_t attribute, bool* ok) {
-  Id type(H5Aget_type(attribute), H5Tclose);
-  Id space(H5Aget_space(attribute), H5Sclose);
-  std::vector<T> values(static_cast<std::size_t>(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space))));
+std::optional<std::vector<T>> ReadNumbers(hid_t attribute, hid_t memory_type) {
+  const Id type(H5Aget_type(attribute), H5Tclose);
+  const Id space(H5Aget_space(attribute), H5Sclose);
+  const std::optional<std::size_t> count = AttributeCount(type, space);
+  if (!count || !IsNumber(type)) return std::nullopt;
+  std::vector<T> values(*count);
   if (H5Tget_class(type) == H5T_ENUM) {
-    Id base(H5Tget_super(type), H5Tclose);
-    std::vector<std::int8_t> raw(values.size());
-    *ok = H5Tget_size(type) == 1 && H5Aread(attribute, type, raw.data()) >= 0;
+    std::vector<std::int8_t> raw(*count);
+    if (H5Tget_size(type) != 1 || (!raw.empty() && H5Aread(attribute, type, raw.data()) < 0)) return std::nullopt;
     std::copy(raw.begin(), raw.end(), values.begin());
-  } else {
-    *ok = IsNumber(type) && (values.empty() || H5Aread(attribute, MemoryType<T>(), values.data()) >= 0);
+  } else if (!values.empty() && H5Aread(attribute, memory_type, values.data()) < 0) {
+    return std::nullopt;
   }
   return values;
 }
+
+/// Above this a double no longer tells whole numbers apart.
+constexpr double kLargestExactDouble = 9007199254740992.0;
 }  // namespace
 
 std::vector<std::int64_t> Group::GetInts(const std::string& name) const {
+  const std::string place = "attribute " + name;
   Id attribute(H5Aopen(state_->id, name.c_str(), H5P_DEFAULT), H5Aclose);
-  if (!attribute.valid()) Fail("attribute " + name, "whole numbers", "nothing", "");
-  bool ok = false;
-  std::vector<std::int64_t> values = ReadNumbers<std::int64_t>(attribute, &ok);
-  if (!ok) Fail("attribute " + name, "whole numbers", "another type", "");
+  if (!attribute.valid()) Fail(place, "whole numbers", "nothing", "");
+  const Id type(H5Aget_type(attribute), H5Tclose);
+  // The library converts by cutting off fractions and by taking the nearest number that fits.
+  std::vector<std::int64_t> values;
+  if (H5Tget_class(type) == H5T_FLOAT) {
+    const auto reals = ReadNumbers<double>(attribute, H5T_NATIVE_DOUBLE);
+    if (!reals) Fail(place, "whole numbers", "damaged data", "");
+    for (const double real : *reals) {
+      if (!(std::abs(real) <= kLargestExactDouble) || real != std::trunc(real)) {
+        Fail(place, "whole numbers", fmt::format("{}", real), "");
+      }
+      values.push_back(static_cast<std::int64_t>(real));
+    }
+  } else if (H5Tget_class(type) == H5T_INTEGER && H5Tget_sign(type) == H5T_SGN_NONE) {
+    const auto naturals = ReadNumbers<std::uint64_t>(attribute, H5T_NATIVE_UINT64);
+    if (!naturals || H5Tget_size(type) > sizeof(std::uint64_t)) Fail(place, "whole numbers", "another type", "");
+    for (const std::uint64_t natural : *naturals) {
+      if (natural > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
+        Fail(place, "whole numbers of 64 bits with a sign", fmt::format("{}", natural), "");
+      }
+      values.push_back(static_cast<std::int64_t>(natural));
+    }
+  } else {
+    auto integers = ReadNumbers<std::int64_t>(attribute, H5T_NATIVE_INT64);
+    if (!integers || H5Tget_size(type) > sizeof(std::int64_t)) Fail(place, "whole numbers", "another type", "");
+    values = std::move(*integers);
+  }
   return values;
 }
 
@@ -201,10 +248,9 @@ std::int64_t Group::GetInt(const std::string& name) const {
 double Group::GetDouble(const std::string& name) const {
   Id attribute(H5Aopen(state_->id, name.c_str(), H5P_DEFAULT), H5Aclose);
   if (!attribute.valid()) Fail("attribute " + name, "a number", "nothing", "");
-  bool ok = false;
-  const std::vector<double> values = ReadNumbers<double>(attribute, &ok);
-  if (!ok || values.size() != 1) Fail("attribute " + name, "one number", "something else", "");
-  return values.front();
+  const auto values = ReadNumbers<double>(attribute, H5T_NATIVE_DOUBLE);
+  if (!values || values->size() != 1) Fail("attribute " + name, "one number", "something else", "");
+  return values->front();
 }
 
 std::vector<std::size_t> Group::Shape(const std::string& name) const {
@@ -260,19 +306,36 @@ Group Group::Create(const std::string& name) {
   return Open(name);
 }
 
+namespace {
+/// Texts of one length, padded with zeros: those of variable length lie in a heap, damage to which crashes the library.
+/// It takes no attribute beyond 64 KiB, so very long ones go there all the same.
+void WriteTexts(hid_t owner, const fs::path& path, const std::string& name, hid_t space,
+                std::span<const std::string> values) {
+  constexpr std::size_t kLargestInHeader = 60000;
+  std::size_t size = 1;
+  for (const std::string& value : values) size = std::max(size, value.size());
+  if (size * values.size() > kLargestInHeader) {
+    const Id type = StringType(H5T_VARIABLE);
+    std::vector<const char*> pointers;
+    for (const std::string& value : values) pointers.push_back(value.c_str());
+    WriteAttribute(owner, path, name, type, type, space, pointers.data());
+    return;
+  }
+  const Id type = StringType(size);
+  std::string padded(size * values.size(), '\0');
+  for (std::size_t i = 0; i < values.size(); ++i) values[i].copy(&padded[i * size], size);
+  WriteAttribute(owner, path, name, type, type, space, padded.data());
+}
+}  // namespace
+
 void Group::SetString(const std::string& name, const std::string& value) {
-  const Id type = VariableStringType();
   const Id space(H5Screate(H5S_SCALAR), H5Sclose);
-  const char* pointer = value.c_str();
-  WriteAttribute(state_->id, state_->final_path, name, type, type, space, &pointer);
+  WriteTexts(state_->id, state_->final_path, name, space, std::span(&value, 1));
 }
 
 void Group::SetStrings(const std::string& name, const std::vector<std::string>& values) {
-  const Id type = VariableStringType();
   const Id space = SpaceFor(values.size());
-  std::vector<const char*> pointers;
-  for (const std::string& value : values) pointers.push_back(value.c_str());
-  WriteAttribute(state_->id, state_->final_path, name, type, type, space, pointers.data());
+  WriteTexts(state_->id, state_->final_path, name, space, values);
 }
 
 void Group::SetInt(const std::string& name, std::int64_t value) {
@@ -309,10 +372,9 @@ void Group::Write(const std::string& name, std::span<const T> values, const std:
     H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
     H5Pset_fletcher32(properties);
   }
-  const Id dataset(
-      H5Dcreate2(state_->id, name.c_str(), MemoryType<T>(), space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
-  if (!dataset.valid() ||
-      H5Dwrite(dataset, MemoryType<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
+  const Id dataset(H5Dcreate2(state_->id, name.c_str(), MemoryType<T>(), space, H5P_DEFAULT, properties, H5P_DEFAULT),
+                   H5Dclose);
+  if (!dataset.valid() || H5Dwrite(dataset, MemoryType<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
     ThrowWriteFailed(state_->final_path);
   }
 }
@@ -334,16 +396,20 @@ File::~File() = default;
 
 bool File::IsHdf5(const fs::path& path) {
   PrepareLibrary();
-  return fs::is_regular_file(path) && H5Fis_hdf5(path.c_str()) > 0;
+  std::error_code error;
+  return fs::is_regular_file(path, error) && H5Fis_hdf5(path.c_str()) > 0;
 }
 
 File File::OpenForReading(const fs::path& path) {
   PrepareLibrary();
-  if (!fs::exists(path)) ThrowBadInput({path.string(), "", "a file", "nothing", "check the path"});
+  std::error_code error;
+  if (!fs::exists(path, error)) {
+    ThrowBadInput({path.string(), "", "a file", error ? error.message() : "nothing", "check the path"});
+  }
   Id id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!id.valid()) {
     std::string found = "another format";
-    if (fs::is_directory(path)) found = "a folder";
+    if (fs::is_directory(path, error)) found = "a folder";
     if (IsHdf5(path)) found = "one that is cut short or damaged";
     ThrowBadInput({path.string(), "", "a readable HDF5 file", found, "copy it again or make it again"});
   }

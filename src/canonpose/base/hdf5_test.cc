@@ -1,11 +1,13 @@
 #include "canonpose/base/hdf5.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/resource.h>
-
+#include <cmath>
 #include <csignal>
 #include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <hdf5.h>
+#include <sys/resource.h>
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/testing.h"
@@ -13,10 +15,10 @@
 namespace canonpose::h5 {
 namespace {
 
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using canonpose::testing::ErrorOf;
 using canonpose::testing::TemporaryFolder;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 void WriteExample(const std::filesystem::path& path, std::size_t rows = 3) {
   File file = File::CreateAt(path);
@@ -72,6 +74,81 @@ TEST(Hdf5, MissingThingsNameFileAndPlace) {
               HasSubstr("/group/x: expected an array, found nothing"));
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)file.root().GetInt("format"); }), HasSubstr("attribute format"));
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)file.root().GetString("version"); }), HasSubstr("another type"));
+}
+
+/// An attribute as the library writes it from one value of a native type.
+void WriteRaw(const std::filesystem::path& path, hid_t type, const void* value) {
+  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t space = H5Screate(H5S_SCALAR);
+  const hid_t attribute = H5Acreate2(file, "x", type, space, H5P_DEFAULT, H5P_DEFAULT);
+  EXPECT_GE(H5Awrite(attribute, type, value), 0);
+  H5Aclose(attribute);
+  H5Sclose(space);
+  H5Fclose(file);
+}
+
+TEST(Hdf5, WholeNumbersAreNotCutToFit) {
+  const TemporaryFolder folder;
+  const auto read = [&] { return File::OpenForReading(folder / "a.h5").root().GetInt("x"); };
+  for (const double value : {1.9, 1e300, -1e19, double{NAN}}) {
+    WriteRaw(folder / "a.h5", H5T_NATIVE_DOUBLE, &value);
+    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, read), HasSubstr("attribute x: expected whole numbers, found")) << value;
+  }
+  const double whole = -3.0;
+  WriteRaw(folder / "a.h5", H5T_NATIVE_DOUBLE, &whole);
+  EXPECT_EQ(read(), -3);
+  const std::uint64_t large = 1ULL << 63;
+  WriteRaw(folder / "a.h5", H5T_NATIVE_UINT64, &large);
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, read), HasSubstr("found 9223372036854775808"));
+  const std::uint64_t small = 7;
+  WriteRaw(folder / "a.h5", H5T_NATIVE_UINT64, &small);
+  EXPECT_EQ(read(), 7);
+  const std::int8_t negative = -7;
+  WriteRaw(folder / "a.h5", H5T_NATIVE_INT8, &negative);
+  EXPECT_EQ(read(), -7);
+}
+
+TEST(Hdf5, TextsAreWrittenWithAFixedLengthAndBothKindsAreRead) {
+  const TemporaryFolder folder;
+  const std::string very_long(100000, 'x');
+  {
+    File file = File::CreateAt(folder / "a.h5");
+    file.root().SetString("text", "Fuß");
+    file.root().SetString("empty", "");
+    file.root().SetStrings("texts", {"a", "", "bcd"});
+    file.root().SetString("long", very_long);
+    file.Commit();
+  }
+  const hid_t raw = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  for (const auto& [name, size] : {std::pair("text", 4U), std::pair("empty", 1U), std::pair("texts", 3U)}) {
+    const hid_t attribute = H5Aopen(raw, name, H5P_DEFAULT);
+    const hid_t type = H5Aget_type(attribute);
+    EXPECT_EQ(H5Tis_variable_str(type), 0) << name;
+    EXPECT_EQ(H5Tget_size(type), size) << name;
+    EXPECT_EQ(H5Tget_cset(type), H5T_CSET_UTF8) << name;
+    H5Tclose(type);
+    H5Aclose(attribute);
+  }
+  H5Fclose(raw);
+  {
+    File file = File::OpenForReading(folder / "a.h5");
+    EXPECT_EQ(file.root().GetString("text"), "Fuß");
+    EXPECT_EQ(file.root().GetString("empty"), "");
+    EXPECT_THAT(file.root().GetStrings("texts"), ElementsAre("a", "", "bcd"));
+    EXPECT_EQ(file.root().GetString("long"), very_long);
+  }
+  const hid_t variable = H5Tcopy(H5T_C_S1);
+  H5Tset_size(variable, H5T_VARIABLE);
+  const char* text = "of any length";
+  WriteRaw(folder / "b.h5", variable, &text);
+  H5Tclose(variable);
+  EXPECT_EQ(File::OpenForReading(folder / "b.h5").root().GetString("x"), "of any length");
+}
+
+TEST(Hdf5, PathsThatCannotBeLookedAtAreOneLine) {
+  const std::filesystem::path path = "/tmp/" + std::string(300, 'x');
+  EXPECT_FALSE(File::IsHdf5(path));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)File::OpenForReading(path); }), HasSubstr("File name too long"));
 }
 
 TEST(Hdf5, EveryTruncationIsNoticed) {

@@ -1,6 +1,28 @@
 #include "canonpose/data/skeleton_file.h"
 
+#include <limits>
+
+#include <fmt/format.h>
+
 namespace canonpose {
+namespace {
+
+/// Numbers of joints, that is; which ones there are is for Skeleton::Problem() to say.
+int JointNumber(const h5::Group& group, const std::string& attribute, std::int64_t value) {
+  if (value < -1 || value > std::numeric_limits<int>::max()) {
+    group.Fail("attribute " + attribute, "numbers of joints", fmt::format("{}", value),
+               "correct the attributes of this group");
+  }
+  return static_cast<int>(value);
+}
+
+std::vector<int> JointNumbers(const h5::Group& group, const std::string& attribute) {
+  std::vector<int> numbers;
+  for (const std::int64_t value : group.GetInts(attribute)) numbers.push_back(JointNumber(group, attribute, value));
+  return numbers;
+}
+
+}  // namespace
 
 void WriteSkeleton(h5::Group& group, const Skeleton& skeleton) {
   if (!skeleton.name.empty()) group.SetString("name", skeleton.name);
@@ -14,9 +36,9 @@ Skeleton ReadSkeleton(const h5::Group& group) {
   Skeleton skeleton;
   if (group.HasAttribute("name")) skeleton.name = group.GetString("name");
   skeleton.joints = group.GetStrings("joints");
-  for (const std::int64_t parent : group.GetInts("parents")) skeleton.parents.push_back(static_cast<int>(parent));
-  skeleton.root = static_cast<int>(group.GetInt("root"));
-  for (const std::int64_t partner : group.GetInts("mirror")) skeleton.mirror.push_back(static_cast<int>(partner));
+  skeleton.parents = JointNumbers(group, "parents");
+  skeleton.root = JointNumber(group, "root", group.GetInt("root"));
+  skeleton.mirror = JointNumbers(group, "mirror");
   if (const std::string problem = skeleton.Problem(); !problem.empty()) {
     group.Fail("", "a skeleton", problem, "correct the attributes of this group");
   }

@@ -365,7 +365,8 @@ void DatasetWriter::Add(const Sequence& sequence) {
   group.SetString("subject", sequence.subject);
   group.SetDouble("fps", sequence.fps);
   group.SetInt("static_cameras", sequence.static_cameras ? 1 : 0);
-  group.SetString("capture", sequence.capture.empty() ? DefaultCapture(sequence) : sequence.capture);
+  // A default written out would read as a name that other files can share.
+  if (sequence.capture_is_named && !sequence.capture.empty()) group.SetString("capture", sequence.capture);
   h5::Group cameras = group.Create("cameras");
 
   const auto frames = static_cast<std::size_t>(sequence.frame_count);

@@ -158,6 +158,13 @@ TEST(DatasetTest, CaptureDefaultsToTheSubjectOnlyForStaticCameras) {
   const Dataset read = ReadDataset(folder / "a.h5");
   EXPECT_EQ(read.sequences[0].capture, "run");
   EXPECT_EQ(read.sequences[1].capture, "S1");
+  // A default stays one however often it is copied; a name stays a name.
+  EXPECT_FALSE(read.sequences[1].capture_is_named);
+  WriteDataset(folder / "b.h5", read);
+  EXPECT_FALSE(ReadDataset(folder / "b.h5").sequences[1].capture_is_named);
+  EXPECT_EQ(ReadDataset(folder / "b.h5").sequences[1].capture, "S1");
+  WriteDataset(folder / "c.h5", Sample());
+  EXPECT_TRUE(ReadDataset(folder / "c.h5").sequences[1].capture_is_named);
 }
 
 TEST(DatasetTest, WritesOnlyOnCommit) {
@@ -305,6 +312,10 @@ TEST(DatasetFileTest, ErrorsSayWhereAndWhat) {
               AllOf(HasSubstr("expected 1, found 2"), HasSubstr("update")));
   EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.joints.pop_back(); }), HasSubstr("/skeleton"));
   EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.parents = {-1, 2, 1}; }), HasSubstr("LKnee"));
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) {
+                raw.parents = {-1, std::int64_t{1} << 32, 0};
+              }),
+              AllOf(HasSubstr("attribute parents"), HasSubstr("found 4294967296")));
   EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.image_size = {0, 480}; }), HasSubstr("/c1/attribute image_size"));
   EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.image_size = {640}; }), HasSubstr("1 numbers"));
   EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.static_cameras = 2; }), HasSubstr("static_cameras"));

@@ -1,4 +1,4 @@
-# Every library the project uses; all are Debian 12 packages (see scripts/dependencies).
+# Every library the project uses; all are Debian 12 packages (scripts/setup.sh installs them).
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(fmt REQUIRED)
 find_package(spdlog REQUIRED)
@@ -12,12 +12,12 @@ if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
   find_package(GTest REQUIRED)
 endif()
 
-# LibTorch appends its flags globally through TORCH_CXX_FLAGS; only its users get them. Its headers are not ours to warn about.
+# TORCH_CXX_FLAGS is the ABI of the standard library that this LibTorch was built with: it must be that of the whole program.
+string(APPEND CMAKE_CXX_FLAGS " ${TORCH_CXX_FLAGS}")
+# LibTorch's headers are not ours to warn about.
 add_library(canonpose_torch INTERFACE)
 target_link_libraries(canonpose_torch INTERFACE ${TORCH_LIBRARIES})
 target_include_directories(canonpose_torch SYSTEM INTERFACE ${TORCH_INCLUDE_DIRS})
-separate_arguments(canonpose_torch_flags UNIX_COMMAND "${TORCH_CXX_FLAGS}")
-target_compile_options(canonpose_torch INTERFACE ${canonpose_torch_flags})
 
 add_library(canonpose_hdf5 INTERFACE)
 target_include_directories(canonpose_hdf5 SYSTEM INTERFACE ${HDF5_INCLUDE_DIRS})

@@ -158,7 +158,9 @@ void AddEvaluateCommand(CLI::App& app) {
   command->add_option("--protocol", arguments->protocol, "Which poses are compared and how: all-frames")
       ->capture_default_str();
   command->add_option("--frames", arguments->frames, "Evaluate frames A-B of each sequence only, counted from 0");
-  command->add_option("--exclude-joints", arguments->left_out, "Leave these joints out: A,B")->delimiter(',');
+  command->add_option("--exclude-joints", arguments->left_out, "Leave these joints out: A,B")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   command->add_option("--root", arguments->root,
                       "Root joint of --predictions by number (default: by the archive's joint names, otherwise 0)");
   command->add_option("--device", arguments->device, "cpu or cuda")->capture_default_str();

@@ -102,9 +102,11 @@ void RunInfo(const fs::path& path) {
 
 void AddInfoCommand(CLI::App& app) {
   auto path = std::make_shared<fs::path>();
+  auto seed = std::make_shared<long>(0);
   CLI::App* command = app.add_subcommand("info", "Tell what a file of ours is, holds and came from");
   command->add_option("file", *path, "A dataset, model, run folder, checkpoint or .npz file")->required();
-  command->callback([path] { RunInfo(*path); });
+  command->add_option("--seed", *seed, "Taken like by every command; nothing here is random");
+  command->callback([path, seed] { RunInfo(*path); });
 }
 
 }  // namespace canonpose

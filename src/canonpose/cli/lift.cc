@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,7 @@ struct Arguments {
   std::string format;
   std::string layout;
   int person = 1;
-  double height_m = 0.0;
+  std::optional<double> height_m;
   std::string device = "cpu";
   long seed = 0;
 };
@@ -79,23 +80,35 @@ LiftInput FromDetections(const Arguments& arguments, const PoseLifter& lifter) {
   options.camera = arguments.camera;
   options.person = arguments.person;
   SingleCamera single = ReadSingleCamera(arguments.input, options);
-  if (!arguments.frames.empty()) ThrowUsage("--frames is for datasets; give a folder or file with the frames you want");
   return {std::move(single.view), std::move(single.frame_numbers), 0.0};
+}
+
+/// Options that would be ignored are a misunderstanding.
+void RefuseMisplacedOptions(const Arguments& arguments, bool is_dataset) {
+  const auto refuse = [&](bool given, const char* option) {
+    if (given) ThrowUsage("{} is for {}, and {} is not one", option, is_dataset ? "a detector's files" : "datasets", arguments.input.string());
+  };
+  refuse(!is_dataset && !arguments.frames.empty(), "--frames");
+  refuse(!is_dataset && !arguments.sequence.empty(), "--sequence");
+  refuse(is_dataset && !arguments.format.empty(), "--format");
+  refuse(is_dataset && !arguments.layout.empty(), "--layout");
+  refuse(is_dataset && arguments.person != 1, "--person");
 }
 
 void RunLift(const Arguments& arguments) {
   RequireLiftFormat(arguments.output);
-  if (arguments.height_m < 0.0 || arguments.height_m > 10.0) {
-    ThrowUsage("--height: expected the person's height in metres, such as 1.75, found {}", arguments.height_m);
+  if (arguments.height_m && !(*arguments.height_m > 0.0 && *arguments.height_m < 10.0)) {
+    ThrowUsage("--height: expected the person's height in metres, such as 1.75, found {}", *arguments.height_m);
   }
   if (!fs::exists(arguments.input)) {
     ThrowBadInput({arguments.input.string(), "", "a dataset or a detector's files", "nothing", "check the path"});
   }
+  const bool is_dataset = IsDatasetFile(arguments.input);
+  RefuseMisplacedOptions(arguments, is_dataset);
   const PoseLifter lifter = PoseLifter::Open(arguments.model, arguments.device);
-  LiftInput input = IsDatasetFile(arguments.input) ? FromDataset(arguments, lifter) : FromDetections(arguments, lifter);
+  LiftInput input = is_dataset ? FromDataset(arguments, lifter) : FromDetections(arguments, lifter);
   LiftedPoses lifted = lifter.Lift(input.view, static_cast<int>(input.frames.size()));
-  const bool metric = arguments.height_m > 0.0;
-  if (metric) ScaleToHeight(lifted, lifter.skeleton(), 1000.0 * arguments.height_m);
+  if (arguments.height_m) ScaleToHeight(lifted, lifter.skeleton(), 1000.0 * *arguments.height_m);
 
   LiftOutput output;
   output.pose3d = std::move(lifted.pose_in_camera);
@@ -103,7 +116,7 @@ void RunLift(const Arguments& arguments) {
   output.rotation = std::move(lifted.rotation);
   output.joints = lifter.skeleton().joints;
   output.frames = std::move(input.frames);
-  output.units = metric ? "mm" : "network units";
+  output.units = arguments.height_m ? "mm" : "network units";
   output.fps = input.fps;
   WriteLiftOutput(arguments.output, output);
 

@@ -1,6 +1,10 @@
 // canonpose COMMAND: the table of commands.
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <exception>
+#include <filesystem>
+#include <iostream>
+#include <string>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
@@ -9,6 +13,25 @@
 
 namespace canonpose {
 namespace {
+
+/// Failures of libraries, in one line: LibTorch's end in a stack of C++ frames.
+int TellUnexpected(const std::string& what) {
+  const std::string line = what.substr(0, what.find('\n'));
+  if (line.find("not enough memory") != std::string::npos || line.find("out of memory") != std::string::npos) {
+    LogInfo("error: out of memory; close other programs, or use a smaller --width or recording");
+  } else {
+    LogInfo("error: {} (this is a fault in canonpose: please report it with the command you ran)", line);
+  }
+  return static_cast<int>(ExitCode::kComputation);
+}
+
+/// What was printed must have arrived, also on a full disk.
+int FinishOutput() {
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::cout.good()) return static_cast<int>(ExitCode::kDone);
+  LogInfo("error: standard output: expected a place that can be written, found none; free some space and run the command again");
+  return static_cast<int>(ExitCode::kBadInput);
+}
 
 int Main(int argc, char** argv) {
   CLI::App app("3D human pose from a single view, learned from a few uncalibrated cameras without any label.", "canonpose");
@@ -26,7 +49,7 @@ int Main(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
-    return static_cast<int>(ExitCode::kDone);
+    return FinishOutput();
   } catch (const CLI::RuntimeError& stop) {
     return stop.get_exit_code();
   } catch (const CLI::ParseError& error) {
@@ -37,11 +60,12 @@ int Main(int argc, char** argv) {
     LogInfo("error: {}", error.what());
     return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
-    LogInfo("error: out of memory; close other programs or use a smaller recording or --width");
-    return static_cast<int>(ExitCode::kComputation);
+    return TellUnexpected("out of memory");
+  } catch (const std::filesystem::filesystem_error& error) {
+    LogInfo("error: {}: {}; check the path", error.path1().string(), error.code().message());
+    return static_cast<int>(ExitCode::kBadInput);
   } catch (const std::exception& error) {
-    LogInfo("error: {} (this is a fault in canonpose: please report it with the command you ran)", error.what());
-    return static_cast<int>(ExitCode::kComputation);
+    return TellUnexpected(error.what());
   }
 }
 

@@ -70,6 +70,19 @@ PoseErrors ComparePoses(const float* predicted, const float* truth, const Metric
   return errors;
 }
 
+bool IsMirrored(const float* predicted, const float* truth, const MetricJoints& joints) {
+  std::vector<float> mirrored(predicted, predicted + 3 * joints.included.size());
+  for (std::size_t z = 2; z < mirrored.size(); z += 3) mirrored[z] = -mirrored[z];
+  const auto sum_of_aligned = [&](const float* pose) {
+    double sum = 0.0;
+    for (const double distance_mm : ComparePoses(pose, truth, joints).aligned_mm) {
+      if (!std::isnan(distance_mm)) sum += distance_mm;
+    }
+    return sum;
+  };
+  return sum_of_aligned(mirrored.data()) < sum_of_aligned(predicted);
+}
+
 void MetricSum::Add(const PoseErrors& errors) {
   CANONPOSE_CHECK(errors.outcome == PoseOutcome::kEvaluated, "only evaluated poses are summed up");
   double largest_mm = 0.0;

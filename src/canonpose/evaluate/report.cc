@@ -26,6 +26,10 @@ std::string Row(const std::string& name, const MeanErrors& errors) {
   return fmt::format("  {:<24}{:>10.1f}{:>10.1f}\n", name, errors.n_mpjpe_mm, errors.p_mpjpe_mm);
 }
 
+double MirroredPercent(const EvaluationReport& report) {
+  return 100.0 * static_cast<double>(report.mirrored) / static_cast<double>(report.metrics.poses);
+}
+
 }  // namespace
 
 std::string ReportAsJson(const EvaluationReport& report) {
@@ -45,6 +49,7 @@ std::string ReportAsJson(const EvaluationReport& report) {
   }
   json["missing_predictions"] = report.missing_predictions;
   json["unusable_truths"] = report.unusable_truths;
+  json["mirrored_percent"] = MirroredPercent(report);
   json["left_out_joints"] = report.left_out_joints;
   json["per_sequence"] = Json::object();
   for (const auto& [name, errors] : report.per_sequence) json["per_sequence"][name] = ToJson(errors);
@@ -64,6 +69,8 @@ std::string ReportAsTable(const EvaluationReport& report) {
   text += fmt::format("\nPoses: {}", report.metrics.poses);
   if (report.missing_predictions > 0) text += fmt::format("; {} more were not predicted", report.missing_predictions);
   if (report.unusable_truths > 0) text += fmt::format("; {} more have too little truth", report.unusable_truths);
+  text += fmt::format("\nMirrored in depth: {:.1f} % of the poses", MirroredPercent(report));
+  if (2 * report.mirrored > report.metrics.poses) text += " (train again with the other --mirror keep or flip)";
   text += fmt::format("\n\n  {:<24}{:>10}{:>10}{:>10}{:>10}{:>10}\n", "", "N-MPJPE", "PMPJPE", "PCK150", "AUC", "CPS");
   text += fmt::format("  {:<24}{:>10}{:>10}{:>10}{:>10}{:>10}\n", "", "mm", "mm", "%", "%", "0-300");
   const Metrics& all = report.metrics;
@@ -98,6 +105,7 @@ void Evaluation::Add(const std::string& sequence, const float* predicted, const 
   if (errors.outcome == PoseOutcome::kTruthUnusable) ++unusable_truths_;
   if (errors.outcome == PoseOutcome::kPredictionMissing) ++missing_predictions_;
   if (errors.outcome != PoseOutcome::kEvaluated) return;
+  if (IsMirrored(predicted, truth, joints_)) ++mirrored_;
   all_.Add(errors);
   sequences_[sequence].Add(errors);
   for (std::size_t j = 0; j < names_.size(); ++j) {
@@ -142,6 +150,7 @@ EvaluationReport Evaluation::Finish(const ReferenceKind& reference, const std::s
   report.metrics = all_.Mean();
   report.missing_predictions = missing_predictions_;
   report.unusable_truths = unusable_truths_;
+  report.mirrored = mirrored_;
   if (report.metrics.poses == 0) {
     ThrowBadInput({file, "", "at least one pose that is known and predicted",
                    fmt::format("{} not predicted, {} with too little truth", missing_predictions_, unusable_truths_),

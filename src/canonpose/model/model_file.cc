@@ -12,6 +12,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "canonpose-model";
 constexpr std::int64_t kVersion = 1;
+constexpr std::int64_t kLargestWidth = 65536;
 
 fs::path ModelPath(const fs::path& path) { return fs::is_directory(path) ? path / "model.cpm" : path; }
 
@@ -63,7 +64,11 @@ void WriteModelInfo(h5::Group& root, const ModelInfo& info) {
 ModelInfo ReadModelInfo(const h5::Group& root) {
   ModelInfo info;
   info.program_version = root.GetString("program_version");
-  info.width = static_cast<int>(root.GetInt("width"));
+  const std::int64_t width = root.GetInt("width");
+  if (width < 1 || width > kLargestWidth) {
+    root.Fail("attribute width", fmt::format("1 to {}", kLargestWidth), fmt::format("{}", width), "the file is damaged: train again");
+  }
+  info.width = static_cast<int>(width);
   info.preset = root.GetString("preset");
   info.options = root.GetString("options");
   info.seed = static_cast<std::uint64_t>(root.GetInt("seed"));
@@ -81,6 +86,10 @@ ModelInfo ReadModelInfo(const h5::Group& root) {
   const h5::Group data = root.Open("data");
   info.data_files = data.GetStrings("files");
   info.data_fingerprints = data.GetStrings("fingerprints");
+  if (info.data_files.size() != info.data_fingerprints.size()) {
+    data.Fail("attribute fingerprints", fmt::format("{} of them", info.data_files.size()),
+              fmt::format("{}", info.data_fingerprints.size()), "the file is damaged: train again");
+  }
   return info;
 }
 

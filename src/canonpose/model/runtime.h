@@ -8,7 +8,7 @@ namespace canonpose {
 /// "cpu" or "cuda". Throws Error(kUsage) for other words, Error(kBadInput) where this LibTorch or machine has no CUDA.
 void RequireDevice(const std::string& device);
 
-/// The library that multiplies LibTorch's matrices, by file name ("libopenblas.so.0"), "MKL", or "" where it cannot be told.
+/// The library that multiplies LibTorch's matrices, by path, "MKL", or "" where it cannot be told.
 std::string LinearAlgebraLibrary();
 
 /// Warns once where LibTorch would multiply matrices with the reference BLAS, which is about thirty times slower, and says what to

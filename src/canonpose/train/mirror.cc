@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <utility>
 
 #include "canonpose/train/losses.h"
 
@@ -16,9 +15,9 @@ constexpr int kLeastClips = 4;
 constexpr std::size_t kMostFrames = 20000;
 constexpr std::int64_t kChunkFrames = 1024;
 
-/// Adds the pairs of a chunk of frames to the regressions of their clips and cameras.
+/// Adds the pairs of a chunk of frames to the regressions of their clips.
 void AddChunk(Lifter& lifter, const TrainingSet& set, const std::vector<const TrainingFrame*>& frames, int root,
-              torch::Device device, std::map<std::pair<int, int>, SlopeRegression>& regressions) {
+              torch::Device device, std::map<int, SlopeRegression>& regressions) {
   const BatchTensors batch = GatherBatch(set, frames, device);
   const LifterOutput output = lifter->forward(LifterInput(batch));
   const PairList pairs = MakeBatchPairs(frames, set.static_captures, false, nullptr).view;
@@ -39,17 +38,15 @@ void AddChunk(Lifter& lifter, const TrainingSet& set, const std::vector<const Tr
   const torch::Tensor keypoints = (keypoints_raw / norm(keypoints_raw)).to(torch::kCPU, torch::kFloat64).contiguous();
   const torch::Tensor weight = confidence.to(torch::kCPU, torch::kFloat64).contiguous();
 
-  std::vector<std::pair<int, int>> clip_and_camera;  // by row
-  for (const TrainingFrame* frame : frames) {
-    for (const TrainingView& view : frame->views) clip_and_camera.emplace_back(frame->clip, view.camera);
-  }
+  std::vector<int> clips;  // by row
+  for (const TrainingFrame* frame : frames) clips.insert(clips.end(), frame->views.size(), frame->clip);
   const auto joints = static_cast<std::int64_t>(set.joint_count);
   const double* z = depth.data_ptr<double>();
   const double* q = projected.data_ptr<double>();
   const double* w = keypoints.data_ptr<double>();
   const double* c = weight.data_ptr<double>();
   for (std::size_t p = 0; p < pairs.size(); ++p) {
-    SlopeRegression& regression = regressions[clip_and_camera[static_cast<std::size_t>(pairs.target[p])]];
+    SlopeRegression& regression = regressions[clips[static_cast<std::size_t>(pairs.target[p])]];
     const auto pair = static_cast<std::int64_t>(p);
     for (std::int64_t axis = 0; axis < 2; ++axis) {
       for (std::int64_t j = 0; j < joints; ++j) {
@@ -105,7 +102,7 @@ PerspectiveSlope MeasurePerspectiveSlope(Lifter& lifter, const TrainingSet& set,
   const torch::NoGradGuard no_grad;
   // Every n-th frame of a long set is enough.
   const std::size_t stride = set.frames.size() / kMostFrames + 1;
-  std::map<std::pair<int, int>, SlopeRegression> regressions;
+  std::map<int, SlopeRegression> regressions;
   std::vector<const TrainingFrame*> chunk;
   for (std::size_t n = 0; n < set.frames.size(); n += stride) {
     chunk.push_back(&set.frames[n]);
@@ -115,7 +112,7 @@ PerspectiveSlope MeasurePerspectiveSlope(Lifter& lifter, const TrainingSet& set,
     }
   }
   std::vector<double> slopes;
-  for (const auto& [key, regression] : regressions) {
+  for (const auto& [clip, regression] : regressions) {
     double slope = 0.0;
     if (regression.Solve(slope)) slopes.push_back(slope);
   }

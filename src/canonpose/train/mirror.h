@@ -32,7 +32,7 @@ struct PerspectiveSlope {
   static constexpr double kSure = 3.0;
 };
 
-/// Least squares over the joints of one clip and camera: residual = slope (z q) + scale q, weighted by confidence.
+/// Least squares over the joints of one clip, all its views together: residual = slope (z q) + scale q, weighted by confidence.
 class SlopeRegression {
  public:
   /// One coordinate of one joint: residual r, reprojection q, depth z relative to the root in units of the pose's norm.
@@ -47,7 +47,7 @@ class SlopeRegression {
 /// Mean and standard error of clips' slopes.
 PerspectiveSlope CombineSlopes(const std::vector<double>& slopes);
 
-/// The slope of a lifter on a training set, each clip and camera on its own. Poses are taken from one view and compared in the others,
+/// The slope of a lifter on a training set, clip by clip. Poses are taken from one view and compared in the others,
 /// where the network could not bend them to the perspective it saw.
 PerspectiveSlope MeasurePerspectiveSlope(Lifter& lifter, const TrainingSet& set, int root, torch::Device device);
 

@@ -86,22 +86,29 @@ void TrainOptions::Validate() const {
   RequireOneOf("mirror", mirror, {"auto", "keep", "flip"});
 }
 
-std::string TrainOptions::ToJson() const {
+std::string TrainOptions::ToJson(bool only_what_changes_results) const {
   Json json;
-  VisitFields(*this, [&](const char* name, const auto& field, bool) { json[name] = field; });
+  VisitFields(*this, [&](const char* name, const auto& field, bool changes_result) {
+    if (changes_result || !only_what_changes_results) json[name] = field;
+  });
   return json.dump();
 }
 
-TrainOptions TrainOptions::FromJson(const std::string& text) {
-  TrainOptions options;
-  const Json json = Json::parse(text);
-  VisitFields(options, [&](const char* name, auto& field, bool) {
-    if (json.contains(name)) json[name].get_to(field);
-  });
-  return options;
+TrainOptions TrainOptions::FromJson(const std::string& text, const std::string& file) {
+  try {
+    TrainOptions options;
+    const Json json = Json::parse(text);
+    VisitFields(options, [&](const char* name, auto& field, bool) {
+      if (json.contains(name)) json[name].get_to(field);
+    });
+    return options;
+  } catch (const Json::exception&) {
+    ThrowBadInput({file, "attribute options", "the options of training as JSON", "damaged text", "restore the file or train again"});
+  }
 }
 
 void TrainOptions::Set(const std::string& name, const std::string& value) {
+  if (name == "preset") ThrowUsage("--set preset: choose a preset with --preset {}", value);
   bool found = false;
   std::string known;
   VisitFields(*this, [&](const char* field_name, auto& field, bool) {
@@ -140,7 +147,7 @@ TrainOptions PresetOptions(const std::string& preset) {
   if (preset == "paper+c") return options;
   if (preset == "plus") {
     options.perspective = "learned";
-    // A quarter of the width costs little accuracy (benchmarks in docs/results.md) and makes small recordings a matter of a minute.
+    // A quarter of the width costs little accuracy (docs/results.md) and makes small recordings a matter of a minute.
     options.width = 256;
     options.learning_rate = 1e-3;
     return options;

@@ -33,13 +33,15 @@ struct TrainOptions {
   void Validate() const;
 
   /// "learning_rate=0.0001" ... in the order of the fields.
-  [[nodiscard]] std::string ToJson() const;
-  static TrainOptions FromJson(const std::string& json);
+  [[nodiscard]] std::string ToJson(bool only_what_changes_results = false) const;
+  /// What is missing keeps its default. Throws Error(kBadInput) naming `file` where the text is damaged.
+  static TrainOptions FromJson(const std::string& json, const std::string& file);
 
-  /// Sets one field by name. Throws Error(kUsage) for an unknown name (listing the known ones) or a value that does not parse.
+  /// Sets one field by name; the preset is no field but a choice of all of them (PresetOptions()). Throws Error(kUsage) for an unknown name (listing the known ones) or a value that does not parse.
   void Set(const std::string& name, const std::string& value);
 
-  /// The names of the fields in which `other` differs, except those that do not change the result (device, checkpoint_seconds, threads).
+  /// The names of the fields in which `other` differs, except those that are about the machine (device, threads, checkpoint_seconds). The
+  /// last of them never changes a result; the others may, in the last bits.
   [[nodiscard]] std::vector<std::string> Differences(const TrainOptions& other) const;
   [[nodiscard]] std::string Get(const std::string& name) const;
 };

@@ -19,10 +19,12 @@ TEST(TrainOptions, JsonRoundTripKeepsEveryField) {
   options.Set("learning_rate", "0.00123");
   options.Set("seed", "18446744073709551615");
   options.Set("camera_consistency", "off");
-  const TrainOptions read = TrainOptions::FromJson(options.ToJson());
+  const TrainOptions read = TrainOptions::FromJson(options.ToJson(), "file");
   EXPECT_EQ(read.ToJson(), options.ToJson());
   EXPECT_EQ(read.seed, UINT64_MAX);
   EXPECT_TRUE(read.Differences(options).empty());
+  EXPECT_THAT(options.ToJson(true), ::testing::Not(HasSubstr("checkpoint_seconds")));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [] { TrainOptions::FromJson("{\"width\": ", "run"); }), HasSubstr("run"));
 }
 
 TEST(TrainOptions, PublishedValues) {
@@ -56,6 +58,7 @@ TEST(TrainOptions, MistakesAreNamed) {
               AllOf(HasSubstr("learning_rat"), HasSubstr("learning_rate")));
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Set("width", "12.5"); }), HasSubstr("12.5"));
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Set("width", ""); }), HasSubstr("whole number"));
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Set("preset", "paper"); }), HasSubstr("--preset paper"));
   options.perspective = "yes";
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr("off, learned"));
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [] { PresetOptions("papper"); }), AllOf(HasSubstr("papper"), HasSubstr("paper+c")));

@@ -48,6 +48,8 @@ class TrainingRun {
  public:
   TrainingRun(const TrainJob& job, TrainingSplit split);
 
+  [[nodiscard]] const TrainingSplit& split() const { return split_; }
+  [[nodiscard]] const Schedule& schedule() const { return schedule_; }
   void Restore(const Checkpoint& checkpoint);
   void Save();
   /// Trains until the end or a signal; returns the signal.
@@ -59,13 +61,16 @@ class TrainingRun {
   [[nodiscard]] std::int64_t warmup_steps() const {
     return static_cast<std::int64_t>(options_.perspective_warmup * static_cast<double>(schedule_.steps()));
   }
-  [[nodiscard]] int epoch() const { return static_cast<int>(step_ / schedule_.steps_per_epoch); }
+  [[nodiscard]] int epoch_of(std::int64_t step) const { return static_cast<int>(step / schedule_.steps_per_epoch); }
+  [[nodiscard]] int epoch() const { return epoch_of(step_); }
   /// The factor as the losses take it; undefined while projection is weak perspective.
   [[nodiscard]] torch::Tensor PerspectiveInLosses() const { return perspective_is_free_ ? perspective_ : torch::Tensor(); }
 
-  std::vector<const TrainingFrame*> NextBatch();
+  std::vector<const TrainingFrame*> BatchOf(std::int64_t step);
   void TakeStep();
-  void StopAtBadLoss(double loss);
+  Losses BatchLosses(std::int64_t step);
+  void RequireSoundness();
+  [[noreturn]] void StopAtBadLoss(const std::string& what);
   void EndEpoch();
   std::optional<double> ValidationLoss();
   void DecideMirror(bool final_decision);
@@ -122,7 +127,7 @@ TrainingRun::TrainingRun(const TrainJob& job, TrainingSplit split)
   info_.source = job.datasets.front().source;
   info_.width = options_.width;
   info_.preset = options_.preset;
-  info_.options = options_.ToJson();
+  info_.options = options_.ToJson(/*only_what_changes_results=*/true);
   info_.seed = options_.seed;
   info_.data_files = job.data_files;
   for (const Dataset& dataset : job.datasets) info_.data_fingerprints.push_back(fmt::format("{:016x}", dataset.Fingerprint()));
@@ -142,7 +147,10 @@ Checkpoint TrainingRun::MakeCheckpoint() const {
   return checkpoint;
 }
 
-void TrainingRun::Save() { WriteCheckpoint(File("checkpoint.h5"), MakeCheckpoint()); }
+void TrainingRun::Save() {
+  RequireSoundness();
+  WriteCheckpoint(File("checkpoint.h5"), MakeCheckpoint());
+}
 
 void TrainingRun::Restore(const Checkpoint& checkpoint) {
   const torch::NoGradGuard no_grad;
@@ -175,13 +183,13 @@ void TrainingRun::Restore(const Checkpoint& checkpoint) {
   if (step_ > warmup_steps()) FreePerspectiveIfDecided();
 }
 
-std::vector<const TrainingFrame*> TrainingRun::NextBatch() {
-  if (order_epoch_ != epoch()) {
-    order_epoch_ = epoch();
+std::vector<const TrainingFrame*> TrainingRun::BatchOf(std::int64_t step) {
+  if (order_epoch_ != epoch_of(step)) {
+    order_epoch_ = epoch_of(step);
     order_ = Rng(options_.seed, {kFrameOrder, static_cast<std::uint64_t>(order_epoch_)}).Permutation(split_.training.frames.size());
   }
   const auto batch = static_cast<std::size_t>(options_.batch_frames);
-  const std::size_t first = static_cast<std::size_t>(step_ % schedule_.steps_per_epoch) * batch;
+  const std::size_t first = static_cast<std::size_t>(step % schedule_.steps_per_epoch) * batch;
   std::vector<const TrainingFrame*> frames;
   for (std::size_t i = first; i < std::min(first + batch, order_.size()); ++i) {
     frames.push_back(&split_.training.frames[order_[i]]);
@@ -189,17 +197,20 @@ std::vector<const TrainingFrame*> TrainingRun::NextBatch() {
   return frames;
 }
 
-void TrainingRun::TakeStep() {
-  const std::vector<const TrainingFrame*> frames = NextBatch();
-  Rng permutations(options_.seed, {kPermutations, static_cast<std::uint64_t>(step_)});
+Losses TrainingRun::BatchLosses(std::int64_t step) {
+  const std::vector<const TrainingFrame*> frames = BatchOf(step);
+  Rng permutations(options_.seed, {kPermutations, static_cast<std::uint64_t>(step)});
   const BatchPairs pairs = MakeBatchPairs(frames, split_.training.static_captures, options_.camera_consistency == "static",
                                           [&](std::size_t count) { return permutations.Permutation(count); });
   const BatchTensors batch = GatherBatch(split_.training, frames, device_);
   const LossWeights weights{1.0, options_.view_weight, options_.camera_weight};
-  const Losses losses =
-      ComputeLosses(lifter_->forward(LifterInput(batch)), batch, pairs, weights, PerspectiveInLosses(), root_);
+  return ComputeLosses(lifter_->forward(LifterInput(batch)), batch, pairs, weights, PerspectiveInLosses(), root_);
+}
+
+void TrainingRun::TakeStep() {
+  const Losses losses = BatchLosses(step_);
   const double total = losses.total.item<double>();
-  if (!std::isfinite(total)) StopAtBadLoss(total);
+  if (!std::isfinite(total)) StopAtBadLoss(fmt::format("the loss became {} at step {}", total, step_ + 1));
   losses.total.backward();
 
   const double factor = LearningRateFactor(epoch(), schedule_.epochs);
@@ -218,14 +229,29 @@ void TrainingRun::TakeStep() {
   ++step_;
 }
 
-void TrainingRun::StopAtBadLoss(double loss) {
-  const fs::path checkpoint_path = File("checkpoint.h5");
-  Checkpoint last_good = ReadCheckpoint(checkpoint_path);
-  last_good.parameters.erase(kPerspectiveName);
-  WriteModelFile(File("model.cpm"), {last_good.info, last_good.parameters});
-  ThrowComputation(
-      "the loss became {} at step {} of {}; the last good model, of step {}, is in {}; try again with a smaller --set learning_rate",
-      loss, step_ + 1, schedule_.steps(), last_good.info.steps, File("model.cpm").string());
+/// Only a state whose own loss is a number is worth keeping: an update may have spoiled what the loss before it did not show.
+void TrainingRun::RequireSoundness() {
+  const torch::NoGradGuard no_grad;
+  const double loss = BatchLosses(std::min(step_, schedule_.steps() - 1)).total.item<double>();
+  bool is_finite = std::isfinite(loss);
+  for (const Adam::Parameter& parameter : adam_.parameters()) {
+    is_finite = is_finite && torch::isfinite(parameter.value).all().item<bool>();
+  }
+  if (!is_finite) StopAtBadLoss(fmt::format("the network's weights or its loss ({}) are no longer numbers after step {}", loss, step_));
+}
+
+void TrainingRun::StopAtBadLoss(const std::string& what) {
+  std::string kept = "no good model was made";
+  if (fs::exists(File("checkpoint.h5"))) {
+    Checkpoint last_good = ReadCheckpoint(File("checkpoint.h5"));
+    last_good.parameters.erase(kPerspectiveName);
+    // An untrained network is no reason to replace a model that an earlier run left here.
+    if (last_good.info.steps > 0 || !fs::exists(File("model.cpm"))) {
+      WriteModelFile(File("model.cpm"), {last_good.info, last_good.parameters});
+    }
+    kept = fmt::format("the last good model, of step {}, is in {}", last_good.info.steps, File("model.cpm").string());
+  }
+  ThrowComputation("{} of {}; {}; try again with a smaller --set learning_rate", what, schedule_.steps(), kept);
 }
 
 void TrainingRun::FreePerspectiveIfDecided() {
@@ -248,8 +274,12 @@ void TrainingRun::DecideMirror(bool final_decision) {
     }
     return;
   }
+  if (!slope.is_sure() && decided_before) {
+    LogInfo("mirror: {} at the warm-up, which stands ({} now tells too little)", info_.mirror.decision, slope.Describe());
+    return;
+  }
   if (!slope.is_sure()) {
-    if (!decided_before) info_.mirror = {"undecided", slope.slope, slope.standard_error};
+    info_.mirror = {"undecided", slope.slope, slope.standard_error};
     LogWarning(
         "mirror: perspective is too weak to tell the pose from its depth mirror ({}, {:.1f} standard errors; {} are needed); look at "
         "the poses and train again with --mirror keep or --mirror flip",
@@ -332,6 +362,7 @@ int TrainingRun::Run() {
 }
 
 TrainReport TrainingRun::Finish() {
+  RequireSoundness();
   DecideMirror(/*final_decision=*/true);
   TrainReport report;
   report.validation_loss = ValidationLoss();
@@ -354,7 +385,9 @@ void DropLaterMetrics(const fs::path& path, std::int64_t step) {
   WriteFileAtomically(path, kept);
 }
 
-void DescribeStart(const TrainingSplit& split, const TrainOptions& options, const Schedule& schedule) {
+void DescribeStart(const TrainingRun& run, const TrainOptions& options) {
+  const TrainingSplit& split = run.split();
+  const Schedule& schedule = run.schedule();
   const std::size_t moving = static_cast<std::size_t>(
       std::count(split.training.static_captures.begin(), split.training.static_captures.end(), std::uint8_t{0}));
   LogInfo("{} frames to train on, {} held out, {} left out (seen by fewer than two cameras)", split.training.frames.size(),
@@ -370,16 +403,22 @@ void DescribeStart(const TrainingSplit& split, const TrainOptions& options, cons
   }
 }
 
-/// Refuses to train over an earlier run, or clears it away where that is asked for.
+/// Refuses to train over an earlier run unless asked to, and removes what kills left half-written.
 void PrepareFolder(const TrainJob& job) {
   MakeDirectory(job.run_folder);
-  if (job.resume) return;
-  const bool holds_run = fs::exists(job.run_folder / "model.cpm") || fs::exists(job.run_folder / "checkpoint.h5");
-  if (holds_run && !job.overwrite) {
+  const bool holds_checkpoint = fs::exists(job.run_folder / "checkpoint.h5");
+  const bool holds_run = fs::exists(job.run_folder / "model.cpm") || holds_checkpoint;
+  const bool goes_on = job.resume && holds_checkpoint;
+  if (holds_run && !goes_on && !job.overwrite) {
     ThrowUsage("{} holds a training run already; add --resume to go on with it, --overwrite to replace it, or choose another folder",
                job.run_folder.string());
   }
-  for (const char* name : {"model.cpm", "checkpoint.h5", "metrics.jsonl", "train.log"}) fs::remove(job.run_folder / name);
+  for (const fs::directory_entry& entry : fs::directory_iterator(job.run_folder)) {
+    const std::string name = entry.path().filename().string();
+    const bool is_ours = name.find("checkpoint.h5-") != std::string::npos || name.find("model.cpm-") != std::string::npos ||
+                         name.find("metrics.jsonl-") != std::string::npos;
+    if (name.starts_with(".new-") && is_ours) fs::remove(entry.path());
+  }
 }
 
 void CheckDatasets(const TrainJob& job) {
@@ -408,7 +447,7 @@ Schedule MakeSchedule(const TrainOptions& options, std::size_t frames) {
 std::optional<TrainOptions> RecordedOptions(const fs::path& run_folder) {
   const fs::path path = run_folder / "checkpoint.h5";
   if (!fs::exists(path)) return std::nullopt;
-  return TrainOptions::FromJson(ReadCheckpoint(path).info.options);
+  return TrainOptions::FromJson(ReadCheckpoint(path).info.options, path.string());
 }
 
 TrainReport Train(const TrainJob& job) {
@@ -420,10 +459,13 @@ TrainReport Train(const TrainJob& job) {
   CheckDatasets(job);
   TrainingSplit split = MakeTrainingSplit(job.datasets, job.options.validation);
   PrepareFolder(job);
-  const LogFile log(job.run_folder / "train.log");
-  DescribeStart(split, job.options, MakeSchedule(job.options, split.training.frames.size()));
-
   TrainingRun run(job, std::move(split));
+  if (!job.resume) {
+    // An earlier model and checkpoint stay until this run replaces them by its own.
+    for (const char* name : {"metrics.jsonl", "train.log"}) fs::remove(job.run_folder / name);
+  }
+  const LogFile log(job.run_folder / "train.log");
+  DescribeStart(run, job.options);
   const fs::path checkpoint_path = job.run_folder / "checkpoint.h5";
   if (job.resume && fs::exists(checkpoint_path)) {
     const Checkpoint checkpoint = ReadCheckpoint(checkpoint_path);

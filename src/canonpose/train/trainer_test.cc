@@ -250,10 +250,55 @@ TEST(Train, LossThatIsNoNumberStopsWithTheLastGoodModelKept) {
   const TemporaryFolder folder;
   TrainJob job = Job(folder, "run");
   job.options.learning_rate = 1e30;
-  EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { Train(job); }), AllOf(HasSubstr("nan"), HasSubstr("learning_rate")));
+  EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { Train(job); }), HasSubstr("learning_rate"));
   for (const auto& [name, array] : ReadModelFile(job.run_folder).parameters) {
     for (const float value : array.values) ASSERT_TRUE(std::isfinite(value)) << name;
   }
+}
+
+TEST(Train, WeightsSpoiledByTheLastStepAreNotKept) {
+  const TemporaryFolder folder;
+  TrainJob job = Job(folder, "run");
+  job.options.epochs = 1;
+  job.options.batch_frames = 1000;  // one step
+  job.options.learning_rate = 1e38;
+  EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { Train(job); }), HasSubstr("learning_rate"));
+  for (const auto& [name, array] : ReadModelFile(job.run_folder).parameters) {
+    for (const float value : array.values) ASSERT_LT(std::abs(value), 1e3) << name;
+  }
+}
+
+TEST(Train, FrequentCheckpointsKeepTheLastGoodModelToo) {
+  const TemporaryFolder folder;
+  TrainJob job = Job(folder, "run");
+  job.options.checkpoint_seconds = 0.0;
+  job.options.learning_rate = 1e38;
+  EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { Train(job); }), HasSubstr("step 0"));
+  for (const auto& [name, array] : ReadModelFile(job.run_folder).parameters) {
+    for (const float value : array.values) ASSERT_LT(std::abs(value), 1e3) << name;
+  }
+}
+
+TEST(Train, AFailedRunDoesNotTakeAnEarlierModelWithIt) {
+  const TemporaryFolder folder;
+  TrainJob job = Job(folder, "run");
+  job.options.epochs = 2;
+  Train(job);
+  const std::string model = ReadFile(job.run_folder / "model.cpm");
+  job.overwrite = true;
+  job.options.learning_rate = 1e38;
+  ErrorOf(ExitCode::kComputation, [&] { Train(job); });
+  EXPECT_EQ(ReadFile(job.run_folder / "model.cpm"), model);
+}
+
+TEST(Train, ResumingWhereOnlyAModelIsLeftIsRefused) {
+  const TemporaryFolder folder;
+  TrainJob job = Job(folder, "run");
+  job.options.epochs = 1;
+  Train(job);
+  std::filesystem::remove(job.run_folder / "checkpoint.h5");
+  job.resume = true;
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { Train(job); }), HasSubstr("--overwrite"));
 }
 
 TEST(Train, RefusesToReplaceARunUnlessAsked) {

@@ -10,8 +10,10 @@
 namespace canonpose {
 namespace {
 
-/// Long enough that the residuals of neighbouring clips are nearly independent, short enough that a few seconds give several.
-constexpr int kClipFrames = 25;
+/// Clips are long enough that the residuals of neighbours are nearly independent; of a short recording, a share that gives several.
+constexpr int kLongestClip = 25;
+constexpr int kShortestClip = 5;
+constexpr int kClipsWanted = 8;
 
 /// Frames are held out at the end of every stretch of this length: spread over the recording, yet not next to every training frame.
 constexpr int kValidationStretch = 50;
@@ -35,7 +37,7 @@ class Numbering {
 
 class Builder {
  public:
-  Builder(TrainingSplit& split, int root) : split_(split), root_(root) {}
+  Builder(TrainingSplit& split, int root, int clip_frames) : split_(split), root_(root), clip_frames_(clip_frames) {}
 
   void Add(const Sequence& sequence, const std::string& dataset_key, double validation_share) {
     const int capture = captures_((sequence.capture_is_named ? "" : dataset_key) + "/" + sequence.capture);
@@ -44,9 +46,9 @@ class Builder {
     if (!sequence.static_cameras) split_.training.static_captures[static_cast<std::size_t>(capture)] = 0;
     for (int t = 0; t < sequence.frame_count; ++t) {
       TrainingSet& set = IsHeldOut(t, sequence.frame_count, validation_share) ? split_.validation : split_.training;
-      AddFrame(sequence, t, {capture, clip_base_ + t / kClipFrames, {}}, cameras, set);
+      AddFrame(sequence, t, {capture, clip_base_ + t / clip_frames_, {}}, cameras, set);
     }
-    clip_base_ += sequence.frame_count / kClipFrames + 1;
+    clip_base_ += sequence.frame_count / clip_frames_ + 1;
   }
 
  private:
@@ -72,6 +74,7 @@ class Builder {
 
   TrainingSplit& split_;
   int root_;
+  int clip_frames_;
   int clip_base_ = 0;
   Numbering captures_;
   std::map<int, Numbering> cameras_;
@@ -85,7 +88,11 @@ TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double val
   TrainingSplit split;
   const Skeleton& skeleton = datasets.front().skeleton;
   split.training.joint_count = split.validation.joint_count = skeleton.joint_count();
-  Builder builder(split, skeleton.root);
+  int frames = 0;
+  for (const Dataset& dataset : datasets) {
+    for (const Sequence& sequence : dataset.sequences) frames += sequence.frame_count;
+  }
+  Builder builder(split, skeleton.root, std::clamp(frames / kClipsWanted, kShortestClip, kLongestClip));
   for (std::size_t i = 0; i < datasets.size(); ++i) {
     for (const Sequence& sequence : datasets[i].sequences) builder.Add(sequence, std::to_string(i), validation_share);
   }

@@ -86,11 +86,11 @@ std::string WithoutPadding(const char* text, std::size_t size) {
   return value;
 }
 
-Id StringType(std::size_t size) {
+/// Texts of variable length, which h5py hands out as str; those of fixed length come out as bytes.
+Id StringType() {
   Id type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, size);
+  H5Tset_size(type, H5T_VARIABLE);
   H5Tset_cset(type, H5T_CSET_UTF8);
-  if (size != H5T_VARIABLE) H5Tset_strpad(type, H5T_STR_NULLPAD);
   return type;
 }
 
@@ -306,36 +306,19 @@ Group Group::Create(const std::string& name) {
   return Open(name);
 }
 
-namespace {
-/// Texts of one length, padded with zeros: those of variable length lie in a heap, damage to which crashes the library.
-/// It takes no attribute beyond 64 KiB, so very long ones go there all the same.
-void WriteTexts(hid_t owner, const fs::path& path, const std::string& name, hid_t space,
-                std::span<const std::string> values) {
-  constexpr std::size_t kLargestInHeader = 60000;
-  std::size_t size = 1;
-  for (const std::string& value : values) size = std::max(size, value.size());
-  if (size * values.size() > kLargestInHeader) {
-    const Id type = StringType(H5T_VARIABLE);
-    std::vector<const char*> pointers;
-    for (const std::string& value : values) pointers.push_back(value.c_str());
-    WriteAttribute(owner, path, name, type, type, space, pointers.data());
-    return;
-  }
-  const Id type = StringType(size);
-  std::string padded(size * values.size(), '\0');
-  for (std::size_t i = 0; i < values.size(); ++i) values[i].copy(&padded[i * size], size);
-  WriteAttribute(owner, path, name, type, type, space, padded.data());
-}
-}  // namespace
-
 void Group::SetString(const std::string& name, const std::string& value) {
+  const Id type = StringType();
   const Id space(H5Screate(H5S_SCALAR), H5Sclose);
-  WriteTexts(state_->id, state_->final_path, name, space, std::span(&value, 1));
+  const char* pointer = value.c_str();
+  WriteAttribute(state_->id, state_->final_path, name, type, type, space, &pointer);
 }
 
 void Group::SetStrings(const std::string& name, const std::vector<std::string>& values) {
+  const Id type = StringType();
   const Id space = SpaceFor(values.size());
-  WriteTexts(state_->id, state_->final_path, name, space, values);
+  std::vector<const char*> pointers;
+  for (const std::string& value : values) pointers.push_back(value.c_str());
+  WriteAttribute(state_->id, state_->final_path, name, type, type, space, pointers.data());
 }
 
 void Group::SetInt(const std::string& name, std::int64_t value) {

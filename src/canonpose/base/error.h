@@ -1,11 +1,11 @@
 // Failures that a user can do something about: one exception type, one line of text, one exit code.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <stdexcept>
 #include <string>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace canonpose {
 
@@ -61,9 +61,9 @@ namespace internal {
 }  // namespace canonpose
 
 /// Aborts with file, line, the condition and a formatted message that should print the values compared.
-#define CANONPOSE_CHECK(condition, ...)                                                                  \
-  do {                                                                                                   \
-    if (!(condition)) {                                                                                  \
-      ::canonpose::internal::CheckFailed(__FILE__, __LINE__, #condition, fmt::format("" __VA_ARGS__));   \
-    }                                                                                                    \
+#define CANONPOSE_CHECK(condition, ...)                                                                \
+  do {                                                                                                 \
+    if (!(condition)) {                                                                                \
+      ::canonpose::internal::CheckFailed(__FILE__, __LINE__, #condition, fmt::format("" __VA_ARGS__)); \
+    }                                                                                                  \
   } while (false)

@@ -1,7 +1,7 @@
 // A small, safe face on the HDF5 C library: groups, attributes, arrays, and files that appear whole or not at all.
 //
-// Every function throws Error(kBadInput) that names the file and the place in it when something is missing, has another type or
-// shape than asked for, or cannot be read or written.
+// Every function throws Error(kBadInput) that names the file and the place in it when something is missing, has another
+// type or shape than asked for, or cannot be read or written.
 #pragma once
 
 #include <cstdint>

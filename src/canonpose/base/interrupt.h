@@ -3,8 +3,8 @@
 
 namespace canonpose {
 
-/// While it lives, the first SIGINT or SIGTERM only sets a flag; a second one ends the program as usual. What was set for these signals
-/// before is set again afterwards.
+/// While it lives, the first SIGINT or SIGTERM only sets a flag; a second one ends the program as usual. What was set
+/// for these signals before is set again afterwards.
 class InterruptGuard {
  public:
   InterruptGuard();

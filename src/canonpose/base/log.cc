@@ -1,11 +1,11 @@
 #include "canonpose/base/log.h"
 
+#include <memory>
+
 #include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
-
-#include <memory>
 
 #include "canonpose/base/error.h"
 

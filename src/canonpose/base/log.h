@@ -1,11 +1,12 @@
-// Messages to the person at the terminal: stderr, and a log file where one is open. Results go to stdout, never through here.
+// Messages to the person at the terminal: stderr, and a log file where one is open. Results go to stdout, never through
+// here.
 #pragma once
-
-#include <fmt/format.h>
 
 #include <filesystem>
 #include <string>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace canonpose {
 

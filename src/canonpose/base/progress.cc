@@ -1,9 +1,9 @@
 #include "canonpose/base/progress.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 #include <unistd.h>
-
-#include <utility>
 
 #include "canonpose/base/log.h"
 

@@ -11,7 +11,8 @@ std::string FormatDuration(double seconds);
 
 class Progress {
  public:
-  /// `total` steps are to come, `done` of which lie behind already (a resumed run), so that the speed is this run's own.
+  /// `total` steps are to come, `done` of which lie behind already (a resumed run), so that the speed is this run's
+  /// own.
   Progress(std::string label, long total, long done = 0);
   /// Clears the line.
   ~Progress();

@@ -9,8 +9,8 @@
 
 namespace canonpose {
 
-/// std::mt19937_64 (whose output the standard fixes) with our own distributions (whose output it does not). A generator is
-/// named by a seed and any number of stream numbers, so that "the permutation of epoch 7" needs no state to be kept.
+/// std::mt19937_64 (whose output the standard fixes) with our own distributions (whose output it does not). A generator
+/// is named by a seed and any number of stream numbers, so that "the permutation of epoch 7" needs no state to be kept.
 class Rng {
  public:
   explicit Rng(std::uint64_t seed, std::initializer_list<std::uint64_t> stream = {});

@@ -1,11 +1,11 @@
 // Shared by tests only: temporary folders, the data beside the checkout, and a matcher for one-line errors.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+
+#include <gtest/gtest.h>
 
 #include "canonpose/base/error.h"
 
@@ -33,7 +33,9 @@ class TemporaryFolder {
 };
 
 /// The project's own small inputs.
-inline std::filesystem::path TestData(const std::string& name) { return std::filesystem::path(CANONPOSE_TESTDATA) / name; }
+inline std::filesystem::path TestData(const std::string& name) {
+  return std::filesystem::path(CANONPOSE_TESTDATA) / name;
+}
 
 /// The data beside the checkout; see CANONPOSE_SKIP_WITHOUT_SHARED.
 inline std::filesystem::path Shared(const std::string& name) { return std::filesystem::path(CANONPOSE_SHARED) / name; }
@@ -55,7 +57,7 @@ std::string ErrorOf(ExitCode code, Action&& action) {
 }  // namespace canonpose::testing
 
 /// Skips the test, and says so, where the file beside the checkout is absent.
-#define CANONPOSE_SKIP_WITHOUT_SHARED(name)                                                              \
-  if (!std::filesystem::exists(::canonpose::testing::Shared(name))) {                                    \
-    GTEST_SKIP() << ::canonpose::testing::Shared(name) << " is not here";                                \
+#define CANONPOSE_SKIP_WITHOUT_SHARED(name)                               \
+  if (!std::filesystem::exists(::canonpose::testing::Shared(name))) {     \
+    GTEST_SKIP() << ::canonpose::testing::Shared(name) << " is not here"; \
   }

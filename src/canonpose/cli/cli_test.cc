@@ -1,19 +1,19 @@
 // The program as its users meet it: commands, files, exit codes, and training that is killed.
-#include <fcntl.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/hdf5.h"
@@ -39,7 +39,8 @@ struct Outcome {
     const std::size_t end = errors.find_last_not_of('\n');
     if (end == std::string::npos) return "";
     const std::size_t begin = errors.rfind('\n', end);
-    return errors.substr(begin == std::string::npos ? 0 : begin + 1, end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+    return errors.substr(begin == std::string::npos ? 0 : begin + 1,
+                         end - (begin == std::string::npos ? 0 : begin + 1) + 1);
   }
 };
 
@@ -119,7 +120,8 @@ void WriteData(const fs::path& path, int frames = 40, int joints = 5, std::int64
         const double y = rng.Normal();
         const double z = rng.Normal();
         keypoints.insert(keypoints.end(), {static_cast<float>(500 + 100 * x), static_cast<float>(500 + 100 * y)});
-        truth.insert(truth.end(), {static_cast<float>(300 * x), static_cast<float>(300 * y), static_cast<float>(3000 + 300 * z)});
+        truth.insert(truth.end(),
+                     {static_cast<float>(300 * x), static_cast<float>(300 * y), static_cast<float>(3000 + 300 * z)});
       }
       const auto t = static_cast<std::size_t>(frames);
       const auto j = static_cast<std::size_t>(joints);
@@ -166,8 +168,8 @@ TEST(Program, TrainEvaluateLiftInfo) {
   const Outcome evaluated = Execute({"evaluate", folder / "run", folder / "data.h5", "--json", folder / "report.json"});
   ASSERT_EQ(evaluated.exit_code, 0) << evaluated.errors;
   const nlohmann::json report = nlohmann::json::parse(ReadFile(folder / "report.json"));
-  for (const char* key : {"protocol", "frames", "joints", "n_mpjpe_mm", "p_mpjpe_mm", "pck150_percent", "auc_percent", "cps",
-                          "per_sequence", "per_joint"}) {
+  for (const char* key : {"protocol", "frames", "joints", "n_mpjpe_mm", "p_mpjpe_mm", "pck150_percent", "auc_percent",
+                          "cps", "per_sequence", "per_joint"}) {
     EXPECT_TRUE(report.contains(key)) << key;
   }
   EXPECT_EQ(report["frames"], 120);
@@ -193,7 +195,8 @@ TEST(Program, BadInputsOfTraining) {
   ExpectBadInput({"train", folder / "none.h5", "-o", folder / "run"}, HasSubstr("none.h5"));
   ExpectBadInput({"train", data, "-o", "/proc/run"}, HasSubstr("/proc/run"));
   WriteData(folder / "version.h5", 40, 5, 2);
-  ExpectBadInput({"train", folder / "version.h5", "-o", folder / "run"}, AllOf(HasSubstr("version.h5"), HasSubstr("version"), HasSubstr("found 2")));
+  ExpectBadInput({"train", folder / "version.h5", "-o", folder / "run"},
+                 AllOf(HasSubstr("version.h5"), HasSubstr("version"), HasSubstr("found 2")));
   WriteFileAtomically(folder / "cut.h5", ReadFile(data).substr(0, 3000));
   ExpectBadInput({"train", folder / "cut.h5", "-o", folder / "run"}, HasSubstr("cut.h5"));
 
@@ -216,11 +219,14 @@ TEST(Program, BadInputsOfImport) {
   const std::string out = folder / "out.h5";
   fs::create_directories(folder / "empty");
   ExpectBadInput({"import", "openpose", folder / "empty", "-o", out, "--image-size", "100x100"}, HasSubstr("empty"));
-  ExpectBadInput({"import", "openpose", folder / "nowhere", "-o", out, "--image-size", "100x100"}, HasSubstr("nowhere"));
+  ExpectBadInput({"import", "openpose", folder / "nowhere", "-o", out, "--image-size", "100x100"},
+                 HasSubstr("nowhere"));
   const std::string cameras = TestData("detections/openpose");
-  ExpectBadInput({"import", "openpose", cameras, "-o", "/proc/out.h5", "--image-size", "1920x1080"}, HasSubstr("/proc/out.h5"));
+  ExpectBadInput({"import", "openpose", cameras, "-o", "/proc/out.h5", "--image-size", "1920x1080"},
+                 HasSubstr("/proc/out.h5"));
   ExpectBadInput({"import", "openpose", cameras, "-o", out}, HasSubstr("--image-size"));
-  ExpectBadInput({"import", "openpose", cameras, "-o", out, "--image-size", "1920x1080", "--layout", "coco-18"}, HasSubstr("coco-18"));
+  ExpectBadInput({"import", "openpose", cameras, "-o", out, "--image-size", "1920x1080", "--layout", "coco-18"},
+                 HasSubstr("coco-18"));
   EXPECT_FALSE(fs::exists(out));
 }
 

@@ -1,7 +1,7 @@
 // One function a command: it adds its subcommand with options to the app; the subcommand's callback does the work.
 //
-// Callbacks throw canonpose::Error; main() turns that into one line and an exit code. Results go to stdout, everything else
-// through base/log.h to stderr.
+// Callbacks throw canonpose::Error; main() turns that into one line and an exit code. Results go to stdout, everything
+// else through base/log.h to stderr.
 #pragma once
 
 #include <CLI/CLI.hpp>

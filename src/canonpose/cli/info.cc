@@ -1,12 +1,12 @@
 // canonpose info FILE: what any of our files is, holds and came from.
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/cli/commands.h"
@@ -21,11 +21,12 @@ namespace {
 namespace fs = std::filesystem;
 
 void PrintSkeleton(const Skeleton& skeleton, const DatasetSource& source) {
-  fmt::print("skeleton     {}{} joints, root {}\n", skeleton.name.empty() ? "" : skeleton.name + ", ", skeleton.joint_count(),
-             skeleton.joints[static_cast<std::size_t>(skeleton.root)]);
+  fmt::print("skeleton     {}{} joints, root {}\n", skeleton.name.empty() ? "" : skeleton.name + ", ",
+             skeleton.joint_count(), skeleton.joints[static_cast<std::size_t>(skeleton.root)]);
   fmt::print("joints       {}\n", fmt::join(skeleton.joints, ", "));
   if (source.format.empty()) return;
-  fmt::print("made from    {}, layout {}, confidences divided by {:g}\n", source.format, source.layout, source.confidence_scale);
+  fmt::print("made from    {}, layout {}, confidences divided by {:g}\n", source.format, source.layout,
+             source.confidence_scale);
   for (const std::string& line : source.mapping) {
     if (line.find('(') != std::string::npos) fmt::print("derived      {}\n", line);
   }
@@ -41,16 +42,17 @@ double SeenPercent(const CameraView& view) {
 void PrintDataset(const Dataset& dataset) {
   std::size_t frames = 0;
   for (const Sequence& sequence : dataset.sequences) frames += static_cast<std::size_t>(sequence.frame_count);
-  fmt::print("dataset      {} sequences, {} frames, fingerprint {:016x}\n", dataset.sequences.size(), frames, dataset.Fingerprint());
+  fmt::print("dataset      {} sequences, {} frames, fingerprint {:016x}\n", dataset.sequences.size(), frames,
+             dataset.Fingerprint());
   PrintSkeleton(dataset.skeleton, dataset.source);
   for (const Sequence& sequence : dataset.sequences) {
     fmt::print("sequence     {}: subject {}, {} frames{}, {} cameras, capture {}\n", sequence.name, sequence.subject,
                sequence.frame_count, sequence.fps > 0 ? fmt::format(" at {:g}/s", sequence.fps) : "",
                sequence.static_cameras ? "static" : "moving", sequence.capture);
     for (const CameraView& view : sequence.cameras) {
-      fmt::print("  camera     {}: {}x{} px, {:.1f} % of joints seen{}{}{}\n", view.name, view.image_size[0], view.image_size[1],
-                 SeenPercent(view), view.truth.empty() ? "" : ", truth", view.solved.empty() ? "" : ", solved",
-                 view.calibration.empty() ? "" : ", calibrated");
+      fmt::print("  camera     {}: {}x{} px, {:.1f} % of joints seen{}{}{}\n", view.name, view.image_size[0],
+                 view.image_size[1], SeenPercent(view), view.truth.empty() ? "" : ", truth",
+                 view.solved.empty() ? "" : ", solved", view.calibration.empty() ? "" : ", calibrated");
     }
   }
 }
@@ -73,8 +75,9 @@ void PrintNpz(const fs::path& path) {
   for (const std::string& name : file.names()) {
     const NpyArray array = file.Read(name);
     const bool is_single_text = array.is_text() && array.shape.empty();
-    fmt::print("array        {}: {}\n", name,
-               is_single_text ? std::get<std::vector<std::string>>(array.values).front() : h5::FormatShape(array.shape));
+    fmt::print(
+        "array        {}: {}\n", name,
+        is_single_text ? std::get<std::vector<std::string>>(array.values).front() : h5::FormatShape(array.shape));
   }
 }
 

@@ -1,6 +1,4 @@
 // canonpose lift RUN|model.cpm INPUT -o out.npz
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -9,6 +7,8 @@
 #include <optional>
 #include <string>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
@@ -86,7 +86,9 @@ LiftInput FromDetections(const Arguments& arguments, const PoseLifter& lifter) {
 /// Options that would be ignored are a misunderstanding.
 void RefuseMisplacedOptions(const Arguments& arguments, bool is_dataset) {
   const auto refuse = [&](bool given, const char* option) {
-    if (given) ThrowUsage("{} is for {}, and {} is not one", option, is_dataset ? "a detector's files" : "datasets", arguments.input.string());
+    if (given)
+      ThrowUsage("{} is for {}, and {} is not one", option, is_dataset ? "a detector's files" : "datasets",
+                 arguments.input.string());
   };
   refuse(!is_dataset && !arguments.frames.empty(), "--frames");
   refuse(!is_dataset && !arguments.sequence.empty(), "--sequence");
@@ -122,7 +124,8 @@ void RunLift(const Arguments& arguments) {
 
   long missing = 0;
   for (std::size_t t = 0; t < output.frames.size(); ++t) missing += std::isnan(output.rotation[9 * t]) ? 1 : 0;
-  LogInfo("{}: {} poses of {} in {}{}", arguments.output.string(), output.frames.size() - static_cast<std::size_t>(missing),
+  LogInfo("{}: {} poses of {} in {}{}", arguments.output.string(),
+          output.frames.size() - static_cast<std::size_t>(missing),
           input.view.name.empty() ? arguments.input.string() : input.view.name, output.units,
           missing > 0 ? fmt::format("; {} frames without a usable 2D pose are left empty", missing) : "");
 }
@@ -138,11 +141,13 @@ void AddLiftCommand(CLI::App& app) {
   command->add_option("--camera", arguments->camera, "Which camera, where the input holds several");
   command->add_option("--sequence", arguments->sequence, "Which sequence, where the dataset holds several");
   command->add_option("--frames", arguments->frames, "Frames A-B of the dataset only, counted from 0");
-  command->add_option("--height", arguments->height_m, "The person's height in metres: the output is then in millimetres");
+  command->add_option("--height", arguments->height_m,
+                      "The person's height in metres: the output is then in millimetres");
   command->add_option("--person", arguments->person, "Whom to follow in a detector's files: 1 is the most prominent")
       ->check(CLI::PositiveNumber);
   command->add_option("--format", arguments->format, "Format of a detector's files (default: told from their content)");
-  command->add_option("--layout", arguments->layout, "Layout of a detector's files (default: that of the training data)");
+  command->add_option("--layout", arguments->layout,
+                      "Layout of a detector's files (default: that of the training data)");
   command->add_option("--device", arguments->device, "cpu or cuda (default cpu)");
   command->add_option("--seed", arguments->seed, "Taken like by every command; lifting has nothing random");
   command->callback([arguments] { RunLift(*arguments); });

@@ -1,10 +1,11 @@
 // canonpose COMMAND: the table of commands.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <string>
+
+#include <CLI/CLI.hpp>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
@@ -29,12 +30,15 @@ int TellUnexpected(const std::string& what) {
 int FinishOutput() {
   std::cout.flush();
   if (std::fflush(stdout) == 0 && std::cout.good()) return static_cast<int>(ExitCode::kDone);
-  LogInfo("error: standard output: expected a place that can be written, found none; free some space and run the command again");
+  LogInfo(
+      "error: standard output: expected a place that can be written, found none; free some space and run the command "
+      "again");
   return static_cast<int>(ExitCode::kBadInput);
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app("3D human pose from a single view, learned from a few uncalibrated cameras without any label.", "canonpose");
+  CLI::App app("3D human pose from a single view, learned from a few uncalibrated cameras without any label.",
+               "canonpose");
   app.set_version_flag("--version", ProgramVersion());
   app.require_subcommand(1);
   app.footer(

@@ -1,11 +1,11 @@
 // canonpose train data.h5... -o RUN
 #include <csignal>
-#include <fmt/format.h>
-
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
@@ -53,8 +53,9 @@ TrainOptions ResolveOptions(const Arguments& arguments) {
   Apply(arguments, options);
   if (recorded) {
     for (const std::string& name : options.Differences(*recorded)) {
-      ThrowUsage("{} was started with {} = {}, not {}: leave the option out to go on with it, or train into another folder",
-                 arguments.run_folder.string(), name, recorded->Get(name), options.Get(name));
+      ThrowUsage(
+          "{} was started with {} = {}, not {}: leave the option out to go on with it, or train into another folder",
+          arguments.run_folder.string(), name, recorded->Get(name), options.Get(name));
     }
   }
   options.Validate();
@@ -97,7 +98,7 @@ void AddTrainCommand(CLI::App& app) {
   const auto add = [&](const std::string& option, const std::string& field, const std::string& help) {
     command
         ->add_option_function<std::string>(
-              option, [arguments, field](const std::string& value) { arguments->named.emplace_back(field, value); }, help)
+            option, [arguments, field](const std::string& value) { arguments->named.emplace_back(field, value); }, help)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   };
   add("--epochs", "epochs", "Times to go through the data (default 100, more for small recordings)");

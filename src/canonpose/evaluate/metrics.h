@@ -48,8 +48,8 @@ int LeastKnownJoints(int included_count);
 /// `predicted` is (J, 3) in any unit, `truth` (J, 3) in mm, in the same frame; NaN where unknown.
 PoseErrors ComparePoses(const float* predicted, const float* truth, const MetricJoints& joints);
 
-/// Whether the depth mirror of a predicted pose (z negated) has the right shape rather than the pose itself: its PMPJPE is smaller. To be
-/// asked for poses whose outcome is kEvaluated.
+/// Whether the depth mirror of a predicted pose (z negated) has the right shape rather than the pose itself: its PMPJPE
+/// is smaller. To be asked for poses whose outcome is kEvaluated.
 bool IsMirrored(const float* predicted, const float* truth, const MetricJoints& joints);
 
 /// Means over poses and joints; NaN where nothing was added.

@@ -1,9 +1,9 @@
 #include "canonpose/geometry/normalisation.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <limits>
+
+#include <gtest/gtest.h>
 
 namespace canonpose {
 namespace {

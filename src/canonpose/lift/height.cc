@@ -32,7 +32,8 @@ double BoneLength(const float* pose, int joint, int parent) {
 /// Sum of the bones from a joint up to the root of the tree.
 double PathToRoot(const float* pose, const Skeleton& skeleton, int joint) {
   double length = 0.0;
-  for (int j = joint; skeleton.parents[static_cast<std::size_t>(j)] >= 0; j = skeleton.parents[static_cast<std::size_t>(j)]) {
+  for (int j = joint; skeleton.parents[static_cast<std::size_t>(j)] >= 0;
+       j = skeleton.parents[static_cast<std::size_t>(j)]) {
     length += BoneLength(pose, j, skeleton.parents[static_cast<std::size_t>(j)]);
   }
   return length;
@@ -41,7 +42,8 @@ double PathToRoot(const float* pose, const Skeleton& skeleton, int joint) {
 double SumOfBones(const float* pose, const Skeleton& skeleton) {
   double sum = 0.0;
   for (int j = 0; j < skeleton.joint_count(); ++j) {
-    if (skeleton.parents[static_cast<std::size_t>(j)] >= 0) sum += BoneLength(pose, j, skeleton.parents[static_cast<std::size_t>(j)]);
+    if (skeleton.parents[static_cast<std::size_t>(j)] >= 0)
+      sum += BoneLength(pose, j, skeleton.parents[static_cast<std::size_t>(j)]);
   }
   return sum;
 }

@@ -1,12 +1,12 @@
 #include "canonpose/lift/lifter.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/geometry/normalisation.h"
@@ -41,9 +41,11 @@ PoseLifter PoseLifter::Open(const std::filesystem::path& run_or_model, const std
 
 void PoseLifter::RequireSkeleton(const Skeleton& other, const std::string& file) const {
   if (skeleton().SameJoints(other)) return;
-  ThrowBadInput({file, "/skeleton", fmt::format("the model's {} joints ({})", skeleton().joint_count(), fmt::join(skeleton().joints, ", ")),
-                 fmt::format("{} ({})", other.joint_count(), fmt::join(other.joints, ", ")),
-                 "import the data onto the model's skeleton, or use a model trained on this one"});
+  ThrowBadInput(
+      {file, "/skeleton",
+       fmt::format("the model's {} joints ({})", skeleton().joint_count(), fmt::join(skeleton().joints, ", ")),
+       fmt::format("{} ({})", other.joint_count(), fmt::join(other.joints, ", ")),
+       "import the data onto the model's skeleton, or use a model trained on this one"});
 }
 
 LiftedPoses PoseLifter::Lift(const CameraView& view, int frame_count) const {
@@ -51,7 +53,8 @@ LiftedPoses PoseLifter::Lift(const CameraView& view, int frame_count) const {
   const int joints = skeleton().joint_count();
   const auto frames = static_cast<std::size_t>(frame_count);
   const auto joint_count = static_cast<std::size_t>(joints);
-  CANONPOSE_CHECK(view.confidence.size() == frames * joint_count, "{} confidences for {} frames", view.confidence.size(), frames);
+  CANONPOSE_CHECK(view.confidence.size() == frames * joint_count, "{} confidences for {} frames",
+                  view.confidence.size(), frames);
 
   LiftedPoses lifted;
   lifted.frame_count = frame_count;
@@ -68,12 +71,13 @@ LiftedPoses PoseLifter::Lift(const CameraView& view, int frame_count) const {
     const torch::Tensor batch =
         torch::from_blob(input.data(), {static_cast<std::int64_t>(rows.size()), 3 * joints}).to(state_->device);
     const LifterOutput output = state_->lifter->forward(batch);
-    const torch::Tensor centred = output.pose - output.pose.narrow(2, skeleton().root, 1);          // (B, 3, J)
-    const torch::Tensor canonical = centred.transpose(1, 2).to(torch::kCPU).contiguous();           // (B, J, 3)
+    const torch::Tensor centred = output.pose - output.pose.narrow(2, skeleton().root, 1);  // (B, 3, J)
+    const torch::Tensor canonical = centred.transpose(1, 2).to(torch::kCPU).contiguous();   // (B, J, 3)
     const torch::Tensor in_camera = torch::bmm(output.rotation, centred).transpose(1, 2).to(torch::kCPU).contiguous();
     const torch::Tensor rotation = output.rotation.to(torch::kCPU).contiguous();
     for (std::size_t b = 0; b < rows.size(); ++b) {
-      std::copy_n(canonical.data_ptr<float>() + b * joint_count * 3, joint_count * 3, &lifted.canonical[rows[b] * joint_count * 3]);
+      std::copy_n(canonical.data_ptr<float>() + b * joint_count * 3, joint_count * 3,
+                  &lifted.canonical[rows[b] * joint_count * 3]);
       std::copy_n(in_camera.data_ptr<float>() + b * joint_count * 3, joint_count * 3,
                   &lifted.pose_in_camera[rows[b] * joint_count * 3]);
       std::copy_n(rotation.data_ptr<float>() + b * 9, 9, &lifted.rotation[rows[b] * 9]);
@@ -84,7 +88,9 @@ LiftedPoses PoseLifter::Lift(const CameraView& view, int frame_count) const {
 
   NormalisedPose pose;
   for (std::size_t t = 0; t < frames; ++t) {
-    if (!NormalisePose(&view.keypoints[t * joint_count * 2], &view.confidence[t * joint_count], joints, skeleton().root, pose)) continue;
+    if (!NormalisePose(&view.keypoints[t * joint_count * 2], &view.confidence[t * joint_count], joints, skeleton().root,
+                       pose))
+      continue;
     input.insert(input.end(), pose.keypoints.begin(), pose.keypoints.end());
     input.insert(input.end(), pose.confidence.begin(), pose.confidence.end());
     rows.push_back(t);

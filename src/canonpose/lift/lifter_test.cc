@@ -1,9 +1,9 @@
 #include "canonpose/lift/lifter.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <cmath>
 
 #include "canonpose/base/random.h"
 #include "canonpose/base/testing.h"
@@ -13,8 +13,8 @@ namespace canonpose {
 namespace {
 
 using ::testing::AllOf;
-using ::testing::HasSubstr;
 using testing::ErrorOf;
+using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 constexpr int kFrames = 5;
@@ -51,7 +51,8 @@ TEST(PoseLifter, PoseIsRotationTimesCanonicalAndRootIsTheOrigin) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         double turned = 0.0;
         for (std::size_t k = 0; k < 3; ++k) {
-          turned += static_cast<double>(lifted.rotation[t * 9 + axis * 3 + k]) * lifted.canonical[(t * kJoints + j) * 3 + k];
+          turned +=
+              static_cast<double>(lifted.rotation[t * 9 + axis * 3 + k]) * lifted.canonical[(t * kJoints + j) * 3 + k];
         }
         EXPECT_NEAR(lifted.pose_in_camera[(t * kJoints + j) * 3 + axis], turned, 1e-5);
         if (j == 0) {
@@ -67,7 +68,8 @@ TEST(PoseLifter, DoesNotDependOnWhereAndHowLargeThePersonIs) {
   const PoseLifter lifter = PoseLifter::Open(WriteModel(folder));
   const CameraView view = RandomView(2);
   CameraView moved = view;
-  for (std::size_t i = 0; i < moved.keypoints.size(); ++i) moved.keypoints[i] = 0.5F * moved.keypoints[i] + (i % 2 == 0 ? 300.0F : -20.0F);
+  for (std::size_t i = 0; i < moved.keypoints.size(); ++i)
+    moved.keypoints[i] = 0.5F * moved.keypoints[i] + (i % 2 == 0 ? 300.0F : -20.0F);
   const LiftedPoses a = lifter.Lift(view, kFrames);
   const LiftedPoses b = lifter.Lift(moved, kFrames);
   for (std::size_t i = 0; i < a.pose_in_camera.size(); ++i) EXPECT_NEAR(a.pose_in_camera[i], b.pose_in_camera[i], 1e-4);
@@ -103,10 +105,23 @@ TEST(ScaleToHeight, AStandingFigureGetsItsStature) {
     poses.pose_in_camera[3 * j] = x;
     poses.pose_in_camera[3 * j + 1] = -up;
   };
-  for (const auto& [name, up] : std::initializer_list<std::pair<const char*, float>>{
-           {"Hip", 530}, {"Spine", 650}, {"Thorax", 800}, {"Nose", 900}, {"Head", 1000}, {"LHip", 530}, {"RHip", 530},
-           {"LKnee", 285}, {"RKnee", 285}, {"LFoot", 39}, {"RFoot", 39}, {"LShoulder", 800}, {"RShoulder", 800},
-           {"LElbow", 600}, {"RElbow", 600}, {"LWrist", 400}, {"RWrist", 400}}) {
+  for (const auto& [name, up] : std::initializer_list<std::pair<const char*, float>>{{"Hip", 530},
+                                                                                     {"Spine", 650},
+                                                                                     {"Thorax", 800},
+                                                                                     {"Nose", 900},
+                                                                                     {"Head", 1000},
+                                                                                     {"LHip", 530},
+                                                                                     {"RHip", 530},
+                                                                                     {"LKnee", 285},
+                                                                                     {"RKnee", 285},
+                                                                                     {"LFoot", 39},
+                                                                                     {"RFoot", 39},
+                                                                                     {"LShoulder", 800},
+                                                                                     {"RShoulder", 800},
+                                                                                     {"LElbow", 600},
+                                                                                     {"RElbow", 600},
+                                                                                     {"LWrist", 400},
+                                                                                     {"RWrist", 400}}) {
     put(name, 0.0F, up);
   }
   poses.canonical = poses.pose_in_camera;

@@ -15,9 +15,9 @@ torch::Tensor LeakyRelu(const torch::Tensor& x) { return torch::leaky_relu(x, kL
 }  // namespace
 
 torch::Tensor Rodrigues(const torch::Tensor& axis_angle) {
-  const torch::Tensor angle =
-      torch::sqrt(torch::clamp_min((axis_angle * axis_angle).sum(1, /*keepdim=*/true), kSmallestSquaredAngle));  // (B, 1)
-  const torch::Tensor axis = axis_angle / angle;                                                                 // (B, 3)
+  const torch::Tensor angle = torch::sqrt(
+      torch::clamp_min((axis_angle * axis_angle).sum(1, /*keepdim=*/true), kSmallestSquaredAngle));  // (B, 1)
+  const torch::Tensor axis = axis_angle / angle;                                                     // (B, 3)
   const std::vector<torch::Tensor> xyz = axis.unbind(1);
   const torch::Tensor zero = torch::zeros_like(xyz[0]);
   const torch::Tensor cross =

@@ -3,10 +3,10 @@
 // Wandt et al., "CanonPose: Self-Supervised Monocular 3D Human Pose Estimation in the Wild", CVPR 2021, section 3.
 #pragma once
 
-#include <torch/torch.h>
-
 #include <cstdint>
 #include <string>
+
+#include <torch/torch.h>
 
 namespace canonpose {
 
@@ -16,8 +16,8 @@ struct LifterOutput {
   torch::Tensor rotation;    ///< (B, 3, 3) camera_from_canonical: pose_in_camera = rotation * pose
 };
 
-/// Rotation matrices of rotation vectors: (B, 3) -> (B, 3, 3). R = I + sin(t) K + (1 - cos(t)) K^2 with K the cross-product matrix
-/// of r / t and t^2 = max(|r|^2, 1e-4), the clamp of the published implementation.
+/// Rotation matrices of rotation vectors: (B, 3) -> (B, 3, 3). R = I + sin(t) K + (1 - cos(t)) K^2 with K the
+/// cross-product matrix of r / t and t^2 = max(|r|^2, 1e-4), the clamp of the published implementation.
 torch::Tensor Rodrigues(const torch::Tensor& axis_angle);
 
 /// x + lrelu(l2(lrelu(l1(x)))), then one more leaky ReLU; slope 0.01.
@@ -32,8 +32,9 @@ class ResidualBlockImpl : public torch::nn::Module {
 };
 TORCH_MODULE(ResidualBlock);
 
-/// Input (B, 3J): x of all joints, y of all joints, confidences. Fully connected to `width`, one common residual block, then a branch
-/// of two blocks for the pose and one of two for the rotation. Parameter names are those of the golden files.
+/// Input (B, 3J): x of all joints, y of all joints, confidences. Fully connected to `width`, one common residual block,
+/// then a branch of two blocks for the pose and one of two for the rotation. Parameter names are those of the golden
+/// files.
 class LifterImpl : public torch::nn::Module {
  public:
   LifterImpl(int joint_count, int width);
@@ -43,15 +44,17 @@ class LifterImpl : public torch::nn::Module {
   [[nodiscard]] int joint_count() const { return joint_count_; }
   [[nodiscard]] int width() const { return width_; }
 
-  /// Uniform in +-1/sqrt(fan in) (PyTorch's default for linear layers), from our own generator: the same on every machine and version.
+  /// Uniform in +-1/sqrt(fan in) (PyTorch's default for linear layers), from our own generator: the same on every
+  /// machine and version.
   void Initialise(std::uint64_t seed);
 
-  /// Turns the network into its depth mirror, exactly: with F = diag(1, 1, -1) every pose X becomes F X and every rotation F R F, so
-  /// that each 2D reprojection stays as it is and each depth changes sign. Negates the z rows of the pose layer and the x and y rows
-  /// of the rotation layer.
+  /// Turns the network into its depth mirror, exactly: with F = diag(1, 1, -1) every pose X becomes F X and every
+  /// rotation F R F, so that each 2D reprojection stays as it is and each depth changes sign. Negates the z rows of the
+  /// pose layer and the x and y rows of the rotation layer.
   void Mirror();
 
-  /// Applies Mirror()'s signs to a tensor that belongs to the parameter `name` (an optimiser's first moment); others are untouched.
+  /// Applies Mirror()'s signs to a tensor that belongs to the parameter `name` (an optimiser's first moment); others
+  /// are untouched.
   void MirrorRows(const std::string& name, torch::Tensor& tensor) const;
 
  private:

@@ -10,7 +10,9 @@ namespace {
 
 const torch::TensorOptions kDouble(torch::kFloat64);
 
-torch::Tensor Depths(const torch::Tensor& rotation, const torch::Tensor& pose) { return torch::bmm(rotation, pose).select(1, 2); }
+torch::Tensor Depths(const torch::Tensor& rotation, const torch::Tensor& pose) {
+  return torch::bmm(rotation, pose).select(1, 2);
+}
 
 TEST(Rodrigues, GivesRotations) {
   torch::manual_seed(1);
@@ -75,8 +77,8 @@ TEST(Lifter, MirrorNegatesDepthsAndKeepsReprojections) {
   EXPECT_TRUE(torch::allclose(in_camera_before.narrow(1, 0, 2), in_camera_after.narrow(1, 0, 2), 0, 1e-12));
   EXPECT_TRUE(torch::allclose(in_camera_before.select(1, 2), -in_camera_after.select(1, 2), 0, 1e-12));
   // Poses mixed with the rotations of other rows too: this is what the losses see.
-  EXPECT_TRUE(torch::allclose(Depths(before.rotation.roll(1, 0), before.pose), -Depths(after.rotation.roll(1, 0), after.pose), 0,
-                              1e-12));
+  EXPECT_TRUE(torch::allclose(Depths(before.rotation.roll(1, 0), before.pose),
+                              -Depths(after.rotation.roll(1, 0), after.pose), 0, 1e-12));
   lifter->Mirror();
   const LifterOutput twice = lifter->forward(input);
   EXPECT_TRUE(torch::equal(before.pose, twice.pose));
@@ -90,7 +92,8 @@ TEST(Lifter, InitialisationDependsOnTheSeedAlone) {
   a->Initialise(7);
   torch::manual_seed(2);
   b->Initialise(7);
-  for (const auto& item : a->named_parameters()) EXPECT_TRUE(torch::equal(item.value(), b->named_parameters()[item.key()]));
+  for (const auto& item : a->named_parameters())
+    EXPECT_TRUE(torch::equal(item.value(), b->named_parameters()[item.key()]));
   b->Initialise(8);
   EXPECT_FALSE(torch::equal(a->named_parameters()["upscale.weight"], b->named_parameters()["upscale.weight"]));
   const double bound = 1.0 / std::sqrt(15.0);

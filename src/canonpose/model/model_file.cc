@@ -66,7 +66,8 @@ ModelInfo ReadModelInfo(const h5::Group& root) {
   info.program_version = root.GetString("program_version");
   const std::int64_t width = root.GetInt("width");
   if (width < 1 || width > kLargestWidth) {
-    root.Fail("attribute width", fmt::format("1 to {}", kLargestWidth), fmt::format("{}", width), "the file is damaged: train again");
+    root.Fail("attribute width", fmt::format("1 to {}", kLargestWidth), fmt::format("{}", width),
+              "the file is damaged: train again");
   }
   info.width = static_cast<int>(width);
   info.preset = root.GetString("preset");

@@ -1,7 +1,8 @@
-// The model file (.cpm): everything needed to use a trained lifter, in one HDF5 file. No LibTorch here, so that `info` and others can
-// read one without it.
+// The model file (.cpm): everything needed to use a trained lifter, in one HDF5 file. No LibTorch here, so that `info`
+// and others can read one without it.
 //
-//   /            attributes format = "canonpose-model", version = 1, program_version, width, preset, options (JSON), seed, steps,
+//   /            attributes format = "canonpose-model", version = 1, program_version, width, preset, options (JSON),
+//   seed, steps,
 //                mirror_decision, mirror_slope, mirror_slope_error, perspective
 //   /skeleton    as in a dataset file
 //   /source      attributes format, layout, confidence_scale, mapping: the kind of keypoint file it was trained on

@@ -11,8 +11,8 @@ namespace canonpose {
 namespace {
 
 using ::testing::AllOf;
-using ::testing::HasSubstr;
 using testing::ErrorOf;
+using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 ModelFile Example() {

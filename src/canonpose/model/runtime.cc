@@ -1,10 +1,10 @@
 #include "canonpose/model/runtime.h"
 
+#include <filesystem>
+
 #include <ATen/Context.h>
 #include <ATen/Parallel.h>
 #include <dlfcn.h>
-
-#include <filesystem>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
@@ -21,7 +21,8 @@ void RequireDevice(const std::string& device) {
 
 std::string LinearAlgebraLibrary() {
   if (at::hasMKL()) return "MKL";
-  // Which library answers LibTorch's calls is settled by the dynamic linker (on Debian by the alternative libblas.so.3).
+  // Which library answers LibTorch's calls is settled by the dynamic linker (on Debian by the alternative
+  // libblas.so.3).
   const void* routine = dlsym(RTLD_DEFAULT, "sgemm_");
   Dl_info info{};
   if (routine == nullptr || dladdr(routine, &info) == 0 || info.dli_fname == nullptr) return "";
@@ -36,9 +37,11 @@ void WarnAboutSlowLinearAlgebra() {
   for (const char* fast : {"openblas", "mkl", "blis", "nvpl", "armpl"}) {
     if (library.find(fast) != std::string::npos) return;
   }
-  LogWarning("LibTorch multiplies matrices with {}, which is about 30 times slower than OpenBLAS; install it with: apt-get install "
-             "libopenblas0-pthread",
-             library);
+  LogWarning(
+      "LibTorch multiplies matrices with {}, which is about 30 times slower than OpenBLAS; install it with: apt-get "
+      "install "
+      "libopenblas0-pthread",
+      library);
 }
 
 void SetThreadCount(int threads) {
@@ -46,7 +49,8 @@ void SetThreadCount(int threads) {
   at::set_num_threads(threads);
   // OpenBLAS keeps threads of its own, which LibTorch does not know of.
   using SetThreads = void (*)(int);
-  if (const auto set_threads = reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set_threads(threads);
+  if (const auto set_threads = reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads")))
+    set_threads(threads);
 }
 
 int ThreadCount() { return at::get_num_threads(); }

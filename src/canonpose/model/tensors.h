@@ -1,9 +1,9 @@
 // Between LibTorch's tensors and the plain arrays of our files.
 #pragma once
 
-#include <torch/torch.h>
-
 #include <string>
+
+#include <torch/torch.h>
 
 #include "canonpose/model/lifter.h"
 #include "canonpose/model/model_file.h"

@@ -1,8 +1,8 @@
 #include "canonpose/train/adam.h"
 
-#include <ATen/Parallel.h>
-
 #include <cmath>
+
+#include <ATen/Parallel.h>
 
 namespace canonpose {
 namespace {
@@ -64,7 +64,8 @@ void Adam::Step(double learning_rate) {
   const torch::NoGradGuard no_grad;
   ++step_count_;
   const auto t = static_cast<double>(step_count_);
-  const StepSizes sizes{learning_rate / (1.0 - std::pow(kBeta1, t)), std::sqrt(1.0 - std::pow(kBeta2, t)), weight_decay_};
+  const StepSizes sizes{learning_rate / (1.0 - std::pow(kBeta1, t)), std::sqrt(1.0 - std::pow(kBeta2, t)),
+                        weight_decay_};
   for (Parameter& parameter : parameters_) {
     const torch::Tensor gradient = parameter.value.grad();
     if (!gradient.defined()) continue;

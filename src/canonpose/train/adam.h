@@ -1,18 +1,18 @@
 // Adam (Kingma and Ba 2015) with L2 weight decay, its state open to checkpoints and to the mirror.
 #pragma once
 
-#include <torch/torch.h>
-
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include <torch/torch.h>
+
 namespace canonpose {
 
 /// The same numbers as PyTorch's: g += decay p; m = b1 m + (1 - b1) g; v = b2 v + (1 - b2) g^2;
-/// p -= rate / (1 - b1^t) m / (sqrt(v / (1 - b2^t)) + eps), with b1 = 0.9, b2 = 0.999, eps = 1e-8. On the CPU one pass over memory does
-/// all of it: the optimiser is bound by memory traffic, and LibTorch's own needs several passes and differs in its interface between
-/// versions.
+/// p -= rate / (1 - b1^t) m / (sqrt(v / (1 - b2^t)) + eps), with b1 = 0.9, b2 = 0.999, eps = 1e-8. On the CPU one pass
+/// over memory does all of it: the optimiser is bound by memory traffic, and LibTorch's own needs several passes and
+/// differs in its interface between versions.
 class Adam {
  public:
   struct Parameter {

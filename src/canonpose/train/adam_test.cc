@@ -6,7 +6,9 @@ namespace canonpose {
 namespace {
 
 /// A loss with a gradient that changes from step to step.
-torch::Tensor Loss(const torch::Tensor& x, int step) { return ((x - 0.1 * step) * (x - 0.1 * step) * (1 + x * x)).sum(); }
+torch::Tensor Loss(const torch::Tensor& x, int step) {
+  return ((x - 0.1 * step) * (x - 0.1 * step) * (1 + x * x)).sum();
+}
 
 TEST(Adam, AgreesWithLibTorchInFloatAndDouble) {
   for (const torch::Dtype dtype : {torch::kFloat32, torch::kFloat64}) {

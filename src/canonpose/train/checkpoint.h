@@ -19,8 +19,8 @@ struct EpochSums {
   std::int64_t steps = 0;
 };
 
-/// HDF5: the model file's attributes and groups, attributes `step` and `epoch_sums`, and groups `first_moments` and `second_moments`
-/// beside `parameters`. The learned perspective factor is the parameter "perspective".
+/// HDF5: the model file's attributes and groups, attributes `step` and `epoch_sums`, and groups `first_moments` and
+/// `second_moments` beside `parameters`. The learned perspective factor is the parameter "perspective".
 struct Checkpoint {
   ModelInfo info;  ///< info.steps is the number of steps done
   EpochSums sums;

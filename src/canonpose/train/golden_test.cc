@@ -1,14 +1,14 @@
 // Forward pass, losses, gradients and Adam steps against values computed by the method's published implementation.
 //
-// The file has the form described in testdata/golden/README.md. It is, in this order: $CANONPOSE_GOLDEN, the one beside the
-// checkout where it is there, and always the small one of the project's own.
-#include <gtest/gtest.h>
-
+// The file has the form described in testdata/golden/README.md. It is, in this order: $CANONPOSE_GOLDEN, the one beside
+// the checkout where it is there, and always the small one of the project's own.
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "canonpose/base/testing.h"
 #include "canonpose/train/adam.h"
@@ -92,12 +92,14 @@ class GoldenCase {
       CheckLoss(losses.total, expected["total"], step);
       losses.total.backward();
       if (step == 0) {
-        CheckSummaries(golden_["gradients_step0"], [](const torch::Tensor& p) { return p.grad(); }, "gradient of ");
+        CheckSummaries(
+            golden_["gradients_step0"], [](const torch::Tensor& p) { return p.grad(); }, "gradient of ");
       }
       adam.Step(1e-4);
       ++step;
     }
-    CheckSummaries(golden_["parameters_after_4_steps"], [](const torch::Tensor& p) { return p.detach(); }, "updated ");
+    CheckSummaries(
+        golden_["parameters_after_4_steps"], [](const torch::Tensor& p) { return p.detach(); }, "updated ");
   }
 
  private:
@@ -159,7 +161,8 @@ class GoldenCase {
   }
 
   void CheckLoss(const torch::Tensor& loss, const json& expected, int step) const {
-    EXPECT_NEAR(loss.item<double>(), expected.get<double>(), tolerance_.relative * expected.get<double>()) << "step " << step;
+    EXPECT_NEAR(loss.item<double>(), expected.get<double>(), tolerance_.relative * expected.get<double>())
+        << "step " << step;
   }
 
   template <typename Get>
@@ -168,11 +171,13 @@ class GoldenCase {
       const json& summary = expected[item.key()];
       const torch::Tensor tensor = get(item.value());
       const double norm = summary["l2"].get<double>();
-      EXPECT_NEAR(tensor.to(torch::kFloat64).norm().item<double>(), norm, tolerance_.relative * norm) << what << item.key();
+      EXPECT_NEAR(tensor.to(torch::kFloat64).norm().item<double>(), norm, tolerance_.relative * norm)
+          << what << item.key();
       const torch::Tensor first = ToTensor(summary["first"]);
       // Single elements are compared on the scale of the tensor's typical element: some are next to nothing.
       const double typical = norm / std::sqrt(static_cast<double>(tensor.numel()));
-      const double error = (tensor.flatten().narrow(0, 0, first.numel()).to(torch::kFloat64) - first).abs().max().item<double>();
+      const double error =
+          (tensor.flatten().narrow(0, 0, first.numel()).to(torch::kFloat64) - first).abs().max().item<double>();
       EXPECT_LE(error, tolerance_.relative * std::max(typical, first.abs().max().item<double>())) << what << item.key();
     }
   }

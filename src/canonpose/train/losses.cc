@@ -70,8 +70,8 @@ torch::Tensor IndexTensor(const std::vector<std::int64_t>& indices, torch::Devic
 
 /// sqrt(sum of squares / (2 x joints seen)) of (P, 2, J), 1 where it would be zero.
 torch::Tensor SeenNorm(const torch::Tensor& points, const torch::Tensor& seen) {
-  const torch::Tensor count = 2 * seen.sum(1);                                         // (P)
-  const torch::Tensor squares = (points * points * seen.unsqueeze(1)).sum({1, 2});     // (P)
+  const torch::Tensor count = 2 * seen.sum(1);                                      // (P)
+  const torch::Tensor squares = (points * points * seen.unsqueeze(1)).sum({1, 2});  // (P)
   return torch::sqrt(torch::clamp_min(squares / torch::clamp_min(count, 1), 1e-12)).view({-1, 1, 1});
 }
 
@@ -85,8 +85,9 @@ torch::Tensor WeightedError(const torch::Tensor& rotated, const PairList& pairs,
 
 }  // namespace
 
-BatchPairs MakeBatchPairs(const std::vector<const TrainingFrame*>& frames, const std::vector<std::uint8_t>& static_captures,
-                          bool with_camera_loss, const DrawPermutation& draw_permutation) {
+BatchPairs MakeBatchPairs(const std::vector<const TrainingFrame*>& frames,
+                          const std::vector<std::uint8_t>& static_captures, bool with_camera_loss,
+                          const DrawPermutation& draw_permutation) {
   BatchPairs pairs;
   const RowTable rows(frames);
   for (std::int64_t row = 0; row < rows.row_count; ++row) {
@@ -118,7 +119,8 @@ BatchPairs MakeBatchPairs(const std::vector<const TrainingFrame*>& frames, const
   return pairs;
 }
 
-BatchTensors GatherBatch(const TrainingSet& set, const std::vector<const TrainingFrame*>& frames, torch::Device device) {
+BatchTensors GatherBatch(const TrainingSet& set, const std::vector<const TrainingFrame*>& frames,
+                         torch::Device device) {
   std::int64_t rows = 0;
   for (const TrainingFrame* frame : frames) rows += static_cast<std::int64_t>(frame->views.size());
   const auto joints = static_cast<std::int64_t>(set.joint_count);
@@ -143,25 +145,27 @@ torch::Tensor LifterInput(const BatchTensors& batch) {
 torch::Tensor Project(const torch::Tensor& pose_in_camera, const torch::Tensor& perspective, int root) {
   const torch::Tensor xy = pose_in_camera.narrow(1, 0, 2);
   if (!perspective.defined()) return xy;
-  const torch::Tensor centred = pose_in_camera - pose_in_camera.narrow(2, root, 1);                       // (P, 3, J)
+  const torch::Tensor centred = pose_in_camera - pose_in_camera.narrow(2, root, 1);  // (P, 3, J)
   const torch::Tensor norm = torch::sqrt(torch::clamp_min((centred * centred).sum({1, 2}), 1e-12)).view({-1, 1, 1});
-  const torch::Tensor depth = centred.narrow(1, 2, 1) / norm;                                             // (P, 1, J)
+  const torch::Tensor depth = centred.narrow(1, 2, 1) / norm;  // (P, 1, J)
   return xy / torch::clamp_min(1 + perspective * depth, kSmallestPerspectiveDivisor);
 }
 
-torch::Tensor PairErrors(const torch::Tensor& projected, const torch::Tensor& keypoints, const torch::Tensor& confidence) {
+torch::Tensor PairErrors(const torch::Tensor& projected, const torch::Tensor& keypoints,
+                         const torch::Tensor& confidence) {
   const torch::Tensor seen = (confidence > 0).to(projected.scalar_type());  // (P, J)
   const torch::Tensor difference = keypoints / SeenNorm(keypoints, seen) - projected / SeenNorm(projected, seen);
   return (difference.abs().sum(1) * confidence).sum(1) / (2.0 * static_cast<double>(confidence.size(1)));
 }
 
-Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs, const LossWeights& weights,
-                     const torch::Tensor& perspective, int root) {
+Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs,
+                     const LossWeights& weights, const torch::Tensor& perspective, int root) {
   const torch::Device device = batch.keypoints.device();
   Losses losses;
 
   const torch::Tensor own = torch::bmm(output.rotation, output.pose);  // (R, 3, J)
-  losses.reprojection = WeightedError(own, pairs.reprojection, batch, IndexTensor(pairs.reprojection.target, device), perspective, root);
+  losses.reprojection =
+      WeightedError(own, pairs.reprojection, batch, IndexTensor(pairs.reprojection.target, device), perspective, root);
 
   const torch::Tensor view_target = IndexTensor(pairs.view.target, device);
   const torch::Tensor view_rotated = torch::bmm(output.rotation.index_select(0, view_target),
@@ -176,8 +180,10 @@ Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, cons
   const torch::Tensor relative =
       torch::bmm(output.rotation.index_select(0, IndexTensor(pairs.camera.to, device)),
                  output.rotation.index_select(0, IndexTensor(pairs.camera.from, device)).transpose(1, 2));
-  const torch::Tensor camera_rotated = torch::bmm(relative, own.index_select(0, IndexTensor(pairs.camera.source, device)));
-  losses.camera = WeightedError(camera_rotated, pairs.camera, batch, IndexTensor(pairs.camera.target, device), perspective, root);
+  const torch::Tensor camera_rotated =
+      torch::bmm(relative, own.index_select(0, IndexTensor(pairs.camera.source, device)));
+  losses.camera =
+      WeightedError(camera_rotated, pairs.camera, batch, IndexTensor(pairs.camera.target, device), perspective, root);
   losses.total = losses.total + weights.camera * losses.camera;
   return losses;
 }

@@ -4,15 +4,17 @@
 //
 //   l(p) = 1/(2J) sum_j c_tj ( |dx_j| + |dy_j| ),   d = W_t / |W_t| - q / |q|,   q = Project(M_p X_s)
 //
-// with s the row (a view of a frame) whose pose is used, t the row it is compared with, M_p the rotation that takes it there, and
-// |.| = sqrt(sum of squares / 2J) over the joints seen in t. What differs between the losses is which pairs, rotations and weights.
+// with s the row (a view of a frame) whose pose is used, t the row it is compared with, M_p the rotation that takes it
+// there, and
+// |.| = sqrt(sum of squares / 2J) over the joints seen in t. What differs between the losses is which pairs, rotations
+// and weights.
 #pragma once
-
-#include <torch/torch.h>
 
 #include <cstdint>
 #include <functional>
 #include <vector>
+
+#include <torch/torch.h>
 
 #include "canonpose/base/random.h"
 #include "canonpose/model/lifter.h"
@@ -24,9 +26,9 @@ namespace canonpose {
 struct PairList {
   std::vector<std::int64_t> source;  ///< row whose canonical pose is used
   std::vector<std::int64_t> target;  ///< row it is compared with
-  std::vector<double> weight;       ///< weight of the pair in the loss
-  /// Camera consistency only: the pose is first turned into view `source` by its own rotation, then by the relative rotation
-  /// R[to] * R[from]^T of another frame. Empty otherwise, where the rotation is that of `target`.
+  std::vector<double> weight;        ///< weight of the pair in the loss
+  /// Camera consistency only: the pose is first turned into view `source` by its own rotation, then by the relative
+  /// rotation R[to] * R[from]^T of another frame. Empty otherwise, where the rotation is that of `target`.
   std::vector<std::int64_t> to;
   std::vector<std::int64_t> from;
 
@@ -40,15 +42,16 @@ struct BatchPairs {
   PairList camera;        ///< sum over captures and source views, mean over frames and the other views
 };
 
-/// For every capture of the batch with more than one frame and every source camera, in that order: the permutation of the
-/// capture's frames in the batch (by their order in the batch).
+/// For every capture of the batch with more than one frame and every source camera, in that order: the permutation of
+/// the capture's frames in the batch (by their order in the batch).
 using DrawPermutation = std::function<std::vector<std::size_t>(std::size_t count)>;
 
-/// The pairs of `frames` (whose rows are numbered 0 .. in the order of frames and views: row numbers of the batch, not of the set).
-/// Views that are missing leave out the pairs they would take part in. Camera pairs are made where `static_captures` allows and
-/// `with_camera_loss` asks for them.
-BatchPairs MakeBatchPairs(const std::vector<const TrainingFrame*>& frames, const std::vector<std::uint8_t>& static_captures,
-                          bool with_camera_loss, const DrawPermutation& draw_permutation);
+/// The pairs of `frames` (whose rows are numbered 0 .. in the order of frames and views: row numbers of the batch, not
+/// of the set). Views that are missing leave out the pairs they would take part in. Camera pairs are made where
+/// `static_captures` allows and `with_camera_loss` asks for them.
+BatchPairs MakeBatchPairs(const std::vector<const TrainingFrame*>& frames,
+                          const std::vector<std::uint8_t>& static_captures, bool with_camera_loss,
+                          const DrawPermutation& draw_permutation);
 
 /// Rows of a batch on the device.
 struct BatchTensors {
@@ -76,15 +79,16 @@ struct Losses {
 /// The lifter's input: (R, 3J) planar keypoints, then confidences.
 torch::Tensor LifterInput(const BatchTensors& batch);
 
-/// Projection of poses in the camera, (P, 3, J) -> (P, 2, J): weak perspective, q = xy, where `perspective` is undefined; otherwise
-/// q = xy / (1 + k z) with k the given scalar and z the depth relative to the root joint in units of the root-centred pose's
-/// Frobenius norm. 1 + k z is kept above 0.1.
+/// Projection of poses in the camera, (P, 3, J) -> (P, 2, J): weak perspective, q = xy, where `perspective` is
+/// undefined; otherwise q = xy / (1 + k z) with k the given scalar and z the depth relative to the root joint in units
+/// of the root-centred pose's Frobenius norm. 1 + k z is kept above 0.1.
 torch::Tensor Project(const torch::Tensor& pose_in_camera, const torch::Tensor& perspective, int root);
 
 /// l(p) of the formula above, (P): `projected` is q (P, 2, J); keypoints W (P, 2, J); confidence (P, J).
-torch::Tensor PairErrors(const torch::Tensor& projected, const torch::Tensor& keypoints, const torch::Tensor& confidence);
+torch::Tensor PairErrors(const torch::Tensor& projected, const torch::Tensor& keypoints,
+                         const torch::Tensor& confidence);
 
-Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs, const LossWeights& weights,
-                     const torch::Tensor& perspective, int root);
+Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs,
+                     const LossWeights& weights, const torch::Tensor& perspective, int root);
 
 }  // namespace canonpose

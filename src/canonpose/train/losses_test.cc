@@ -1,10 +1,10 @@
 #include "canonpose/train/losses.h"
 
-#include <gtest/gtest.h>
-
 #include <map>
 #include <numeric>
 #include <set>
+
+#include <gtest/gtest.h>
 
 namespace canonpose {
 namespace {
@@ -76,7 +76,8 @@ TEST(MakeBatchPairs, ViewPairsStayWithinAFrame) {
 }
 
 TEST(MakeBatchPairs, CameraPairsUseTheSameCamerasOfAnotherFrameOfTheCapture) {
-  // Rows: frame 0 (capture 0): 0, 1, 2; frame 1 (capture 1): 3, 4; frame 2 (capture 0, camera 1 missed the person): 5, 6.
+  // Rows: frame 0 (capture 0): 0, 1, 2; frame 1 (capture 1): 3, 4; frame 2 (capture 0, camera 1 missed the person):
+  // 5, 6.
   const std::vector<TrainingFrame> frames = {Frame(0, {0, 1, 2}), Frame(1, {0, 1}), Frame(0, {0, 2})};
   const std::vector<int> camera_of_row = {0, 1, 2, 0, 1, 0, 2};
   const std::vector<int> frame_of_row = {0, 0, 0, 1, 1, 2, 2};
@@ -87,7 +88,7 @@ TEST(MakeBatchPairs, CameraPairsUseTheSameCamerasOfAnotherFrameOfTheCapture) {
     EXPECT_EQ(camera_of_row[pairs.to[p]], camera_of_row[pairs.target[p]]);
     EXPECT_EQ(frame_of_row[pairs.from[p]], frame_of_row[pairs.to[p]]);
     EXPECT_EQ(frame_of_row[pairs.source[p]], frame_of_row[pairs.target[p]]);
-    EXPECT_NE(frame_of_row[pairs.source[p]], 1);  // capture 1 has one frame only
+    EXPECT_NE(frame_of_row[pairs.source[p]], 1);                            // capture 1 has one frame only
     EXPECT_NE(frame_of_row[pairs.from[p]], frame_of_row[pairs.source[p]]);  // two frames, reversed
   }
 }
@@ -160,7 +161,7 @@ TEST(Losses, AreZeroForPosesThatProjectOntoTheKeypoints) {
   torch::manual_seed(3);
   LifterOutput output;
   const torch::Tensor body = torch::randn({2, 3, 6}, kDouble);
-  output.pose = body.repeat_interleave(2, 0);                       // frames 0, 0, 1, 1
+  output.pose = body.repeat_interleave(2, 0);                                    // frames 0, 0, 1, 1
   output.rotation = Rodrigues(torch::randn({2, 3}, kDouble)).repeat({2, 1, 1});  // cameras 0, 1, 0, 1
   BatchTensors batch;
   batch.keypoints = torch::bmm(output.rotation, output.pose).narrow(1, 0, 2);

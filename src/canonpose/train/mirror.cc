@@ -1,10 +1,10 @@
 #include "canonpose/train/mirror.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
+
+#include <fmt/format.h>
 
 #include "canonpose/train/losses.h"
 
@@ -31,7 +31,7 @@ void AddChunk(Lifter& lifter, const TrainingSet& set, const std::vector<const Tr
     return torch::sqrt(torch::clamp_min((points * points * seen).sum({1, 2}), 1e-12)).view({-1, 1, 1});
   };
   const torch::Tensor depth =
-      (rotated.narrow(1, 2, 1) / norm(rotated)).to(torch::kCPU, torch::kFloat64).contiguous();               // (P, 1, J)
+      (rotated.narrow(1, 2, 1) / norm(rotated)).to(torch::kCPU, torch::kFloat64).contiguous();  // (P, 1, J)
   const torch::Tensor projected_raw = rotated.narrow(1, 0, 2);
   const torch::Tensor keypoints_raw = batch.keypoints.index_select(0, target);
   const torch::Tensor projected = (projected_raw / norm(projected_raw)).to(torch::kCPU, torch::kFloat64).contiguous();

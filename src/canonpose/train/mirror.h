@@ -1,14 +1,15 @@
 // Which of the two depth mirrors a trained lifter is, read from perspective.
 //
-// Under weak perspective a solution (X, R) and its depth mirror (F X, F R F), F = diag(1, 1, -1), have the same losses. Real cameras are
-// not weak: near parts of the body look larger. With W = xy / (1 + k z) about xy (1 - k z), the reprojection residual W - q, regressed
-// on z q, has slope -k < 0 for the right solution, and a positive one for the mirrored.
+// Under weak perspective a solution (X, R) and its depth mirror (F X, F R F), F = diag(1, 1, -1), have the same losses.
+// Real cameras are not weak: near parts of the body look larger. With W = xy / (1 + k z) about xy (1 - k z), the
+// reprojection residual W - q, regressed on z q, has slope -k < 0 for the right solution, and a positive one for the
+// mirrored.
 #pragma once
-
-#include <torch/torch.h>
 
 #include <string>
 #include <vector>
+
+#include <torch/torch.h>
 
 #include "canonpose/model/lifter.h"
 #include "canonpose/train/training_set.h"
@@ -32,7 +33,8 @@ struct PerspectiveSlope {
   static constexpr double kSure = 3.0;
 };
 
-/// Least squares over the joints of one clip, all its views together: residual = slope (z q) + scale q, weighted by confidence.
+/// Least squares over the joints of one clip, all its views together: residual = slope (z q) + scale q, weighted by
+/// confidence.
 class SlopeRegression {
  public:
   /// One coordinate of one joint: residual r, reprojection q, depth z relative to the root in units of the pose's norm.

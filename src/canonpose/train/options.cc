@@ -1,10 +1,10 @@
 #include "canonpose/train/options.h"
 
-#include <fmt/format.h>
-
 #include <charconv>
-#include <nlohmann/json.hpp>
 #include <type_traits>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "canonpose/base/error.h"
 
@@ -46,7 +46,8 @@ void ParseField(const std::string& name, const std::string& text, Field& field) 
     Field value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size()) {
-      ThrowUsage("--set {}: expected a {}, found \"{}\"", name, std::is_integral_v<Field> ? "whole number" : "number", text);
+      ThrowUsage("--set {}: expected a {}, found \"{}\"", name, std::is_integral_v<Field> ? "whole number" : "number",
+                 text);
     }
     field = value;
   }
@@ -103,7 +104,8 @@ TrainOptions TrainOptions::FromJson(const std::string& text, const std::string& 
     });
     return options;
   } catch (const Json::exception&) {
-    ThrowBadInput({file, "attribute options", "the options of training as JSON", "damaged text", "restore the file or train again"});
+    ThrowBadInput({file, "attribute options", "the options of training as JSON", "damaged text",
+                   "restore the file or train again"});
   }
 }
 

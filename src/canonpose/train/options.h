@@ -1,4 +1,5 @@
-// Every option of training in one plain struct; one list of fields drives the command line, the JSON record and the checkpoint.
+// Every option of training in one plain struct; one list of fields drives the command line, the JSON record and the
+// checkpoint.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +12,13 @@ struct TrainOptions {
   std::string preset = "plus";  ///< what the others were set by: paper, paper+c, plus
   int epochs = 0;               ///< 0: `default_epochs`, more where `min_steps` asks for it
   int default_epochs = 100;
-  int min_steps = 0;                        ///< a small recording is gone through more often until this many steps are taken
-  int width = 1024;                         ///< of the lifter's layers
-  int batch_frames = 32;                    ///< frames a step, each with all its views
-  double learning_rate = 1e-4;              ///< x 0.1 after 30, 60 and 90 % of the epochs
-  double weight_decay = 1e-5;               ///< L2, added to the gradient
-  double view_weight = 1.0;                 ///< weight of view consistency
-  double camera_weight = 0.1;               ///< weight of camera consistency
+  int min_steps = 0;            ///< a small recording is gone through more often until this many steps are taken
+  int width = 1024;             ///< of the lifter's layers
+  int batch_frames = 32;        ///< frames a step, each with all its views
+  double learning_rate = 1e-4;  ///< x 0.1 after 30, 60 and 90 % of the epochs
+  double weight_decay = 1e-5;   ///< L2, added to the gradient
+  double view_weight = 1.0;     ///< weight of view consistency
+  double camera_weight = 0.1;   ///< weight of camera consistency
   std::string camera_consistency = "off";   ///< off; static: for captures whose cameras stand still
   std::string perspective = "off";          ///< off: weak perspective as published; learned: one factor k, learned
   double perspective_warmup = 0.3;          ///< share of the steps before k is set free
@@ -37,11 +38,12 @@ struct TrainOptions {
   /// What is missing keeps its default. Throws Error(kBadInput) naming `file` where the text is damaged.
   static TrainOptions FromJson(const std::string& json, const std::string& file);
 
-  /// Sets one field by name; the preset is no field but a choice of all of them (PresetOptions()). Throws Error(kUsage) for an unknown name (listing the known ones) or a value that does not parse.
+  /// Sets one field by name; the preset is no field but a choice of all of them (PresetOptions()). Throws Error(kUsage)
+  /// for an unknown name (listing the known ones) or a value that does not parse.
   void Set(const std::string& name, const std::string& value);
 
-  /// The names of the fields in which `other` differs, except those that are about the machine (device, threads, checkpoint_seconds). The
-  /// last of them never changes a result; the others may, in the last bits.
+  /// The names of the fields in which `other` differs, except those that are about the machine (device, threads,
+  /// checkpoint_seconds). The last of them never changes a result; the others may, in the last bits.
   [[nodiscard]] std::vector<std::string> Differences(const TrainOptions& other) const;
   [[nodiscard]] std::string Get(const std::string& name) const;
 };
@@ -50,7 +52,8 @@ struct TrainOptions {
 ///
 ///   paper    the method as published, without camera consistency; the mirror is decided once, at the end
 ///   paper+c  paper with camera consistency
-///   plus     paper+c where cameras are static, with the learned perspective factor, a quarter of the width and a higher learning rate
+///   plus     paper+c where cameras are static, with the learned perspective factor, a quarter of the width and a
+///   higher learning rate
 ///
 /// All go through a small recording more often than 100 times, until 3000 steps are taken.
 TrainOptions PresetOptions(const std::string& preset);

@@ -11,8 +11,8 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using testing::ErrorOf;
+using ::testing::HasSubstr;
 
 TEST(TrainOptions, JsonRoundTripKeepsEveryField) {
   TrainOptions options = PresetOptions("plus");
@@ -61,7 +61,8 @@ TEST(TrainOptions, MistakesAreNamed) {
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Set("preset", "paper"); }), HasSubstr("--preset paper"));
   options.perspective = "yes";
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr("off, learned"));
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [] { PresetOptions("papper"); }), AllOf(HasSubstr("papper"), HasSubstr("paper+c")));
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [] { PresetOptions("papper"); }),
+              AllOf(HasSubstr("papper"), HasSubstr("paper+c")));
 }
 
 TEST(TrainOptions, DifferencesIgnoreWhatDoesNotChangeTheResult) {

@@ -1,13 +1,13 @@
 #include "canonpose/train/trainer.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <sstream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
@@ -64,7 +64,9 @@ class TrainingRun {
   [[nodiscard]] int epoch_of(std::int64_t step) const { return static_cast<int>(step / schedule_.steps_per_epoch); }
   [[nodiscard]] int epoch() const { return epoch_of(step_); }
   /// The factor as the losses take it; undefined while projection is weak perspective.
-  [[nodiscard]] torch::Tensor PerspectiveInLosses() const { return perspective_is_free_ ? perspective_ : torch::Tensor(); }
+  [[nodiscard]] torch::Tensor PerspectiveInLosses() const {
+    return perspective_is_free_ ? perspective_ : torch::Tensor();
+  }
 
   std::vector<const TrainingFrame*> BatchOf(std::int64_t step);
   void TakeStep();
@@ -130,7 +132,8 @@ TrainingRun::TrainingRun(const TrainJob& job, TrainingSplit split)
   info_.options = options_.ToJson(/*only_what_changes_results=*/true);
   info_.seed = options_.seed;
   info_.data_files = job.data_files;
-  for (const Dataset& dataset : job.datasets) info_.data_fingerprints.push_back(fmt::format("{:016x}", dataset.Fingerprint()));
+  for (const Dataset& dataset : job.datasets)
+    info_.data_fingerprints.push_back(fmt::format("{:016x}", dataset.Fingerprint()));
 }
 
 Checkpoint TrainingRun::MakeCheckpoint() const {
@@ -166,7 +169,8 @@ void TrainingRun::Restore(const Checkpoint& checkpoint) {
       const auto restore = [&](const NamedArrays& arrays, torch::Tensor& tensor) {
         const auto found = arrays.find(parameter.name);
         if (found == arrays.end() || static_cast<std::int64_t>(found->second.values.size()) != tensor.numel()) {
-          ThrowBadInput({file, parameter.name, "the optimiser's state", "none that fits", "the file is damaged: train again"});
+          ThrowBadInput(
+              {file, parameter.name, "the optimiser's state", "none that fits", "the file is damaged: train again"});
         }
         tensor.copy_(ToTensor(found->second).view(tensor.sizes()));
       };
@@ -186,7 +190,8 @@ void TrainingRun::Restore(const Checkpoint& checkpoint) {
 std::vector<const TrainingFrame*> TrainingRun::BatchOf(std::int64_t step) {
   if (order_epoch_ != epoch_of(step)) {
     order_epoch_ = epoch_of(step);
-    order_ = Rng(options_.seed, {kFrameOrder, static_cast<std::uint64_t>(order_epoch_)}).Permutation(split_.training.frames.size());
+    order_ = Rng(options_.seed, {kFrameOrder, static_cast<std::uint64_t>(order_epoch_)})
+                 .Permutation(split_.training.frames.size());
   }
   const auto batch = static_cast<std::size_t>(options_.batch_frames);
   const std::size_t first = static_cast<std::size_t>(step % schedule_.steps_per_epoch) * batch;
@@ -200,8 +205,9 @@ std::vector<const TrainingFrame*> TrainingRun::BatchOf(std::int64_t step) {
 Losses TrainingRun::BatchLosses(std::int64_t step) {
   const std::vector<const TrainingFrame*> frames = BatchOf(step);
   Rng permutations(options_.seed, {kPermutations, static_cast<std::uint64_t>(step)});
-  const BatchPairs pairs = MakeBatchPairs(frames, split_.training.static_captures, options_.camera_consistency == "static",
-                                          [&](std::size_t count) { return permutations.Permutation(count); });
+  const BatchPairs pairs =
+      MakeBatchPairs(frames, split_.training.static_captures, options_.camera_consistency == "static",
+                     [&](std::size_t count) { return permutations.Permutation(count); });
   const BatchTensors batch = GatherBatch(split_.training, frames, device_);
   const LossWeights weights{1.0, options_.view_weight, options_.camera_weight};
   return ComputeLosses(lifter_->forward(LifterInput(batch)), batch, pairs, weights, PerspectiveInLosses(), root_);
@@ -229,7 +235,8 @@ void TrainingRun::TakeStep() {
   ++step_;
 }
 
-/// Only a state whose own loss is a number is worth keeping: an update may have spoiled what the loss before it did not show.
+/// Only a state whose own loss is a number is worth keeping: an update may have spoiled what the loss before it did not
+/// show.
 void TrainingRun::RequireSoundness() {
   const torch::NoGradGuard no_grad;
   const double loss = BatchLosses(std::min(step_, schedule_.steps() - 1)).total.item<double>();
@@ -237,7 +244,9 @@ void TrainingRun::RequireSoundness() {
   for (const Adam::Parameter& parameter : adam_.parameters()) {
     is_finite = is_finite && torch::isfinite(parameter.value).all().item<bool>();
   }
-  if (!is_finite) StopAtBadLoss(fmt::format("the network's weights or its loss ({}) are no longer numbers after step {}", loss, step_));
+  if (!is_finite)
+    StopAtBadLoss(
+        fmt::format("the network's weights or its loss ({}) are no longer numbers after step {}", loss, step_));
 }
 
 void TrainingRun::StopAtBadLoss(const std::string& what) {
@@ -269,19 +278,22 @@ void TrainingRun::DecideMirror(bool final_decision) {
   if (options_.mirror != "auto") {
     if (!decided_before) {
       if (options_.mirror == "flip") Mirror();
-      info_.mirror = {options_.mirror == "flip" ? "flipped by request" : "kept by request", slope.slope, slope.standard_error};
+      info_.mirror = {options_.mirror == "flip" ? "flipped by request" : "kept by request", slope.slope,
+                      slope.standard_error};
       LogInfo("mirror: {}; perspective {}", info_.mirror.decision, slope.Describe());
     }
     return;
   }
   if (!slope.is_sure() && decided_before) {
-    LogInfo("mirror: {} at the warm-up, which stands ({} now tells too little)", info_.mirror.decision, slope.Describe());
+    LogInfo("mirror: {} at the warm-up, which stands ({} now tells too little)", info_.mirror.decision,
+            slope.Describe());
     return;
   }
   if (!slope.is_sure()) {
     info_.mirror = {"undecided", slope.slope, slope.standard_error};
     LogWarning(
-        "mirror: perspective is too weak to tell the pose from its depth mirror ({}, {:.1f} standard errors; {} are needed); look at "
+        "mirror: perspective is too weak to tell the pose from its depth mirror ({}, {:.1f} standard errors; {} are "
+        "needed); look at "
         "the poses and train again with --mirror keep or --mirror flip",
         slope.Describe(), slope.sureness(), PerspectiveSlope::kSure);
     return;
@@ -305,8 +317,8 @@ std::optional<double> TrainingRun::ValidationLoss() {
     for (std::size_t n = first; n < std::min(first + kChunk, set.frames.size()); ++n) frames.push_back(&set.frames[n]);
     const BatchTensors batch = GatherBatch(set, frames, device_);
     const BatchPairs pairs = MakeBatchPairs(frames, set.static_captures, false, nullptr);
-    const Losses losses = ComputeLosses(lifter_->forward(LifterInput(batch)), batch, pairs, {1.0, options_.view_weight, 0.0},
-                                        PerspectiveInLosses(), root_);
+    const Losses losses = ComputeLosses(lifter_->forward(LifterInput(batch)), batch, pairs,
+                                        {1.0, options_.view_weight, 0.0}, PerspectiveInLosses(), root_);
     sum += losses.total.item<double>() * static_cast<double>(frames.size());
   }
   return sum / static_cast<double>(set.frames.size());
@@ -328,8 +340,8 @@ void TrainingRun::EndEpoch() {
   line["perspective"] = perspective_.item<double>();
   line["seconds"] = std::chrono::duration<double>(now - epoch_start_).count();
   AppendLine(File("metrics.jsonl"), line.dump());
-  LogToFileOnly(fmt::format("epoch {}/{}: loss {:.4f}, validation {:.4f}", epoch(), schedule_.epochs, sums_.total / steps,
-                            validation.value_or(NAN)));
+  LogToFileOnly(fmt::format("epoch {}/{}: loss {:.4f}, validation {:.4f}", epoch(), schedule_.epochs,
+                            sums_.total / steps, validation.value_or(NAN)));
   epoch_start_ = now;
   sums_ = {};
 }
@@ -347,8 +359,9 @@ int TrainingRun::Run() {
     TakeStep();
     if (progress.IsDue()) {
       const auto steps = static_cast<double>(sums_.steps);
-      progress.Update(step_, fmt::format("loss {:.3f} (reprojection {:.3f}, view {:.3f}, camera {:.3f})", sums_.total / steps,
-                                         sums_.reprojection / steps, sums_.view / steps, sums_.camera / steps));
+      progress.Update(step_,
+                      fmt::format("loss {:.3f} (reprojection {:.3f}, view {:.3f}, camera {:.3f})", sums_.total / steps,
+                                  sums_.reprojection / steps, sums_.view / steps, sums_.camera / steps));
     }
     if (step_ % schedule_.steps_per_epoch == 0) EndEpoch();
     const bool is_due = std::chrono::duration<double>(Clock::now() - last_save).count() >= options_.checkpoint_seconds;
@@ -390,16 +403,17 @@ void DescribeStart(const TrainingRun& run, const TrainOptions& options) {
   const Schedule& schedule = run.schedule();
   const std::size_t moving = static_cast<std::size_t>(
       std::count(split.training.static_captures.begin(), split.training.static_captures.end(), std::uint8_t{0}));
-  LogInfo("{} frames to train on, {} held out, {} left out (seen by fewer than two cameras)", split.training.frames.size(),
-          split.validation.frames.size(), split.frames_without_pairs);
-  LogInfo("preset {}, width {}, {} epochs of {} steps on {} ({} threads)", options.preset, options.width, schedule.epochs,
-          schedule.steps_per_epoch, options.device, ThreadCount());
+  LogInfo("{} frames to train on, {} held out, {} left out (seen by fewer than two cameras)",
+          split.training.frames.size(), split.validation.frames.size(), split.frames_without_pairs);
+  LogInfo("preset {}, width {}, {} epochs of {} steps on {} ({} threads)", options.preset, options.width,
+          schedule.epochs, schedule.steps_per_epoch, options.device, ThreadCount());
   if (options.epochs == 0 && schedule.epochs != options.default_epochs) {
-    LogInfo("a small recording: {} epochs in place of {}, so that {} steps are taken (--epochs overrides)", schedule.epochs,
-            options.default_epochs, schedule.steps());
+    LogInfo("a small recording: {} epochs in place of {}, so that {} steps are taken (--epochs overrides)",
+            schedule.epochs, options.default_epochs, schedule.steps());
   }
   if (options.camera_consistency == "static" && moving > 0) {
-    LogInfo("camera consistency is left out for {} of {} captures, whose cameras move", moving, split.training.static_captures.size());
+    LogInfo("camera consistency is left out for {} of {} captures, whose cameras move", moving,
+            split.training.static_captures.size());
   }
 }
 
@@ -410,12 +424,15 @@ void PrepareFolder(const TrainJob& job) {
   const bool holds_run = fs::exists(job.run_folder / "model.cpm") || holds_checkpoint;
   const bool goes_on = job.resume && holds_checkpoint;
   if (holds_run && !goes_on && !job.overwrite) {
-    ThrowUsage("{} holds a training run already; add --resume to go on with it, --overwrite to replace it, or choose another folder",
-               job.run_folder.string());
+    ThrowUsage(
+        "{} holds a training run already; add --resume to go on with it, --overwrite to replace it, or choose another "
+        "folder",
+        job.run_folder.string());
   }
   for (const fs::directory_entry& entry : fs::directory_iterator(job.run_folder)) {
     const std::string name = entry.path().filename().string();
-    const bool is_ours = name.find("checkpoint.h5-") != std::string::npos || name.find("model.cpm-") != std::string::npos ||
+    const bool is_ours = name.find("checkpoint.h5-") != std::string::npos ||
+                         name.find("model.cpm-") != std::string::npos ||
                          name.find("metrics.jsonl-") != std::string::npos;
     if (name.starts_with(".new-") && is_ours) fs::remove(entry.path());
   }

@@ -37,12 +37,12 @@ struct TrainReport {
 /// The options a run in `run_folder` was started with; nothing where it holds no checkpoint.
 std::optional<TrainOptions> RecordedOptions(const std::filesystem::path& run_folder);
 
-/// Trains to the end, an interruption or a failure. With the same data, options and number of threads the model has the same bits on
-/// the CPU, however often it was killed and resumed.
+/// Trains to the end, an interruption or a failure. With the same data, options and number of threads the model has the
+/// same bits on the CPU, however often it was killed and resumed.
 ///
-/// Throws Error(kUsage) where the folder holds a run and neither resume nor overwrite is asked for, Error(kBadInput) where data differ
-/// from the checkpoint's or files cannot be written, Error(kComputation) where a loss is no longer finite: model.cpm is then the last
-/// good one.
+/// Throws Error(kUsage) where the folder holds a run and neither resume nor overwrite is asked for, Error(kBadInput)
+/// where data differ from the checkpoint's or files cannot be written, Error(kComputation) where a loss is no longer
+/// finite: model.cpm is then the last good one.
 TrainReport Train(const TrainJob& job);
 
 /// Number of epochs and steps that `options` ask for with `frames` training frames.

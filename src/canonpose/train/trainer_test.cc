@@ -1,15 +1,15 @@
 #include "canonpose/train/trainer.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/resource.h>
-
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <sstream>
 #include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/random.h"
@@ -24,15 +24,16 @@ namespace canonpose {
 namespace {
 
 using ::testing::AllOf;
-using ::testing::HasSubstr;
 using testing::ErrorOf;
+using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 constexpr int kJoints = 11;
 
 Skeleton Puppet() {
   return {"",
-          {"pelvis", "left hip", "left knee", "left foot", "right hip", "right knee", "right foot", "chest", "head", "left hand", "right hand"},
+          {"pelvis", "left hip", "left knee", "left foot", "right hip", "right knee", "right foot", "chest", "head",
+           "left hand", "right hand"},
           {-1, 0, 1, 2, 0, 4, 5, 0, 7, 7, 7},
           0,
           {0, 4, 5, 6, 1, 2, 3, 7, 8, 10, 9}};
@@ -41,16 +42,22 @@ Skeleton Puppet() {
 /// Joint positions of a puppet that kicks, bends its knees and waves, in metres: x left, y down, z forward.
 std::array<std::array<double, 3>, kJoints> PuppetAt(double time) {
   const auto leg = [](double side, double swing, double bend) {
-    return std::array<std::array<double, 3>, 3>{
-        {{side, 0, 0},
-         {side, 0.45 * std::cos(swing), 0.45 * std::sin(swing)},
-         {side, 0.45 * std::cos(swing) + 0.45 * std::cos(swing - bend), 0.45 * std::sin(swing) + 0.45 * std::sin(swing - bend)}}};
+    return std::array<std::array<double, 3>, 3>{{{side, 0, 0},
+                                                 {side, 0.45 * std::cos(swing), 0.45 * std::sin(swing)},
+                                                 {side, 0.45 * std::cos(swing) + 0.45 * std::cos(swing - bend),
+                                                  0.45 * std::sin(swing) + 0.45 * std::sin(swing - bend)}}};
   };
   const auto left = leg(-0.15, 0.6 * std::sin(time), 0.5 + 0.5 * std::sin(1.3 * time));
   const auto right = leg(0.15, 0.6 * std::sin(time + 3.1), 0.5 + 0.5 * std::sin(1.3 * time + 2.0));
   const double left_arm = std::sin(0.7 * time);
   const double right_arm = std::sin(0.9 * time + 1.0);
-  return {{{0, 0, 0}, left[0], left[1], left[2], right[0], right[1], right[2],
+  return {{{0, 0, 0},
+           left[0],
+           left[1],
+           left[2],
+           right[0],
+           right[1],
+           right[2],
            {0, -0.5, 0.05 * std::sin(time)},
            {0, -0.75, 0.1},
            {-0.2 - 0.3 * std::abs(std::sin(left_arm)), -0.5 + 0.3 * std::cos(left_arm), 0.2 * std::sin(2 * left_arm)},
@@ -89,15 +96,16 @@ Dataset PuppetShow(int frames, int cameras, std::uint64_t seed = 1) {
   return dataset;
 }
 
-/// Correlation of predicted with true depths relative to the root, over all joints, frames and views: near 1 for the right solution,
-/// near -1 for its mirror.
+/// Correlation of predicted with true depths relative to the root, over all joints, frames and views: near 1 for the
+/// right solution, near -1 for its mirror.
 double DepthCorrelation(Lifter& lifter, const Dataset& dataset) {
   const torch::NoGradGuard no_grad;
   const TrainingSplit split = MakeTrainingSplit({dataset}, 0.0);
   std::vector<const TrainingFrame*> frames;
   for (const TrainingFrame& frame : split.training.frames) frames.push_back(&frame);
   const LifterOutput output = lifter->forward(LifterInput(GatherBatch(split.training, frames, torch::kCPU)));
-  const torch::Tensor depth = torch::bmm(output.rotation, output.pose).select(1, 2).contiguous();  // (R, J): frames, then cameras
+  const torch::Tensor depth =
+      torch::bmm(output.rotation, output.pose).select(1, 2).contiguous();  // (R, J): frames, then cameras
   const float* predictions = depth.data_ptr<float>();
   const std::vector<CameraView>& cameras = dataset.sequences[0].cameras;
   double covariance = 0.0;

@@ -10,12 +10,14 @@
 namespace canonpose {
 namespace {
 
-/// Clips are long enough that the residuals of neighbours are nearly independent; of a short recording, a share that gives several.
+/// Clips are long enough that the residuals of neighbours are nearly independent; of a short recording, a share that
+/// gives several.
 constexpr int kLongestClip = 25;
 constexpr int kShortestClip = 5;
 constexpr int kClipsWanted = 8;
 
-/// Frames are held out at the end of every stretch of this length: spread over the recording, yet not next to every training frame.
+/// Frames are held out at the end of every stretch of this length: spread over the recording, yet not next to every
+/// training frame.
 constexpr int kValidationStretch = 50;
 
 bool IsHeldOut(int frame, int frame_count, double share) {
@@ -42,7 +44,8 @@ class Builder {
   void Add(const Sequence& sequence, const std::string& dataset_key, double validation_share) {
     const int capture = captures_((sequence.capture_is_named ? "" : dataset_key) + "/" + sequence.capture);
     Numbering& cameras = cameras_[capture];
-    split_.training.static_captures.resize(std::max<std::size_t>(split_.training.static_captures.size(), capture + 1), 1);
+    split_.training.static_captures.resize(std::max<std::size_t>(split_.training.static_captures.size(), capture + 1),
+                                           1);
     if (!sequence.static_cameras) split_.training.static_captures[static_cast<std::size_t>(capture)] = 0;
     for (int t = 0; t < sequence.frame_count; ++t) {
       TrainingSet& set = IsHeldOut(t, sequence.frame_count, validation_share) ? split_.validation : split_.training;
@@ -99,7 +102,8 @@ TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double val
   split.validation.static_captures = split.training.static_captures;
   if (split.training.frames.empty()) {
     ThrowComputation(
-        "no frame is seen by two cameras at once ({} frames are seen by one or none): check that the cameras are synchronised and "
+        "no frame is seen by two cameras at once ({} frames are seen by one or none): check that the cameras are "
+        "synchronised and "
         "that the hips are detected",
         split.frames_without_pairs);
   }

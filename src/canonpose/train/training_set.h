@@ -17,20 +17,22 @@ struct TrainingView {
 
 /// One moment, seen by at least one camera.
 struct TrainingFrame {
-  int capture = 0;     ///< frames of one capture share their cameras
-  int clip = 0;        ///< consecutive frames of one sequence, the unit that statistics are averaged over
+  int capture = 0;  ///< frames of one capture share their cameras
+  int clip = 0;     ///< consecutive frames of one sequence, the unit that statistics are averaged over
   std::vector<TrainingView> views;
 };
 
 /// N poses of J joints.
 struct TrainingSet {
   int joint_count = 0;
-  std::vector<float> keypoints;        ///< (N, 2J) planar, normalised (geometry/normalisation.h)
-  std::vector<float> confidence;       ///< (N, J)
+  std::vector<float> keypoints;   ///< (N, 2J) planar, normalised (geometry/normalisation.h)
+  std::vector<float> confidence;  ///< (N, J)
   std::vector<TrainingFrame> frames;
   std::vector<std::uint8_t> static_captures;  ///< per capture: whether its cameras stand still
 
-  [[nodiscard]] int row_count() const { return joint_count == 0 ? 0 : static_cast<int>(confidence.size()) / joint_count; }
+  [[nodiscard]] int row_count() const {
+    return joint_count == 0 ? 0 : static_cast<int>(confidence.size()) / joint_count;
+  }
 };
 
 struct TrainingSplit {
@@ -39,8 +41,9 @@ struct TrainingSplit {
   int frames_without_pairs = 0;  ///< frames seen by fewer than two cameras; left out
 };
 
-/// The frames of all datasets, `validation_share` of them held out: the end of every 50 frames of a sequence. Sequences of one capture share
-/// their cameras by name, also across datasets where the capture is named in the file. Throws Error(kComputation) where no frame is seen by two cameras.
+/// The frames of all datasets, `validation_share` of them held out: the end of every 50 frames of a sequence. Sequences
+/// of one capture share their cameras by name, also across datasets where the capture is named in the file. Throws
+/// Error(kComputation) where no frame is seen by two cameras.
 TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double validation_share);
 
 }  // namespace canonpose

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "canonpose/base/testing.h"
-#include "canonpose/train/trainer.h"
+#include "canonpose/train/schedule.h"
 
 namespace canonpose {
 namespace {
@@ -50,6 +50,13 @@ TEST(TrainOptions, SmallRecordingsAreGoneThroughMoreOften) {
   EXPECT_EQ(schedule.epochs, 500);
   options.epochs = 7;
   EXPECT_EQ(MakeSchedule(options, 90).epochs, 7);
+}
+
+TEST(LearningRateFactor, FallsAtThePublishedEpochs) {
+  EXPECT_EQ(LearningRateFactor(29, 100), 1.0);
+  EXPECT_NEAR(LearningRateFactor(30, 100), 0.1, 1e-12);
+  EXPECT_NEAR(LearningRateFactor(60, 100), 0.01, 1e-12);
+  EXPECT_NEAR(LearningRateFactor(90, 100), 0.001, 1e-12);
 }
 
 TEST(TrainOptions, MistakesAreNamed) {

@@ -21,6 +21,7 @@
 #include "canonpose/train/checkpoint.h"
 #include "canonpose/train/losses.h"
 #include "canonpose/train/mirror.h"
+#include "canonpose/train/schedule.h"
 #include "canonpose/train/training_set.h"
 
 namespace canonpose {
@@ -33,15 +34,6 @@ using Json = nlohmann::ordered_json;
 enum Stream : std::uint64_t { kInitialisation = 1, kFrameOrder = 2, kPermutations = 3 };
 
 constexpr const char* kPerspectiveName = "perspective";
-
-/// x 0.1 after 30, 60 and 90 % of the epochs.
-double LearningRateFactor(int epoch, int epochs) {
-  double factor = 1.0;
-  for (const double milestone : {0.3, 0.6, 0.9}) {
-    if (epoch >= milestone * epochs) factor *= 0.1;
-  }
-  return factor;
-}
 
 /// The state of a run and the steps of its life; Train() below is the plot.
 class TrainingRun {
@@ -448,18 +440,6 @@ void CheckDatasets(const TrainJob& job) {
 }
 
 }  // namespace
-
-Schedule MakeSchedule(const TrainOptions& options, std::size_t frames) {
-  Schedule schedule;
-  const auto batch = static_cast<std::int64_t>(options.batch_frames);
-  schedule.steps_per_epoch = (static_cast<std::int64_t>(frames) + batch - 1) / batch;
-  schedule.epochs = options.epochs;
-  if (schedule.epochs == 0) {
-    const std::int64_t needed = (options.min_steps + schedule.steps_per_epoch - 1) / schedule.steps_per_epoch;
-    schedule.epochs = static_cast<int>(std::max<std::int64_t>(options.default_epochs, needed));
-  }
-  return schedule;
-}
 
 std::optional<TrainOptions> RecordedOptions(const fs::path& run_folder) {
   const fs::path path = run_folder / "checkpoint.h5";

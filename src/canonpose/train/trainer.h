@@ -45,12 +45,4 @@ std::optional<TrainOptions> RecordedOptions(const std::filesystem::path& run_fol
 /// finite: model.cpm is then the last good one.
 TrainReport Train(const TrainJob& job);
 
-/// Number of epochs and steps that `options` ask for with `frames` training frames.
-struct Schedule {
-  int epochs = 0;
-  std::int64_t steps_per_epoch = 0;
-  [[nodiscard]] std::int64_t steps() const { return epochs * steps_per_epoch; }
-};
-Schedule MakeSchedule(const TrainOptions& options, std::size_t frames);
-
 }  // namespace canonpose

@@ -1,0 +1,23 @@
+// How long to train, and with what learning rate.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "canonpose/train/options.h"
+
+namespace canonpose {
+
+struct Schedule {
+  int epochs = 0;
+  std::int64_t steps_per_epoch = 0;
+  [[nodiscard]] std::int64_t steps() const { return epochs * steps_per_epoch; }
+};
+
+/// Number of epochs and steps that `options` ask for with `frames` training frames.
+Schedule MakeSchedule(const TrainOptions& options, std::size_t frames);
+
+/// What the learning rate is multiplied by in an epoch, counted from 0: x 0.1 after 30, 60 and 90 % of the epochs.
+double LearningRateFactor(int epoch, int epochs);
+
+}  // namespace canonpose

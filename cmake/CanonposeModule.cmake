@@ -43,5 +43,5 @@ function(canonpose_test name)
   target_compile_definitions(${name} PRIVATE CANONPOSE_TESTDATA="${PROJECT_SOURCE_DIR}/testdata"
                                              CANONPOSE_SHARED="${PROJECT_SOURCE_DIR}/../shared")
   add_test(NAME ${name} COMMAND ${name})
-  set_tests_properties(${name} PROPERTIES TIMEOUT 300)
+  set_tests_properties(${name} PROPERTIES TIMEOUT 900)
 endfunction()

@@ -391,10 +391,12 @@ File File::OpenForReading(const fs::path& path) {
   }
   Id id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!id.valid()) {
-    std::string found = "another format";
-    if (fs::is_directory(path, error)) found = "a folder";
-    if (IsHdf5(path)) found = "one that is cut short or damaged";
-    ThrowBadInput({path.string(), "", "a readable HDF5 file", found, "copy it again or make it again"});
+    const bool is_damaged = IsHdf5(path);
+    std::string found = fs::is_directory(path, error) ? "a folder" : "another format";
+    if (is_damaged) found = "one that is cut short or damaged";
+    ThrowBadInput({path.string(), "", "a readable HDF5 file", found,
+                   is_damaged ? "copy it again or make it again"
+                              : "give a file made by canonpose; import makes one of keypoint files"});
   }
   File file;
   auto shared = std::make_shared<Id>(std::move(id));

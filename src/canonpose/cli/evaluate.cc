@@ -109,8 +109,8 @@ EvaluationReport EvaluateSolved(const Arguments& arguments) {
       arguments, arguments.paths,
       [](const Dataset& dataset, const fs::path& file) {
         if (dataset.HasSolved()) return;
-        ThrowBadInput({file.string(), "", "solved poses, since no model was given", "none",
-                       "name a model before the data, or run `canonpose solve` first"});
+        ThrowBadInput(
+            {file.string(), "", "solved poses, since no model was given", "none", "name a model before the data"});
       },
       [](const CameraView& view, int) { return view.solved; });
 }

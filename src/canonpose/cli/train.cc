@@ -91,7 +91,7 @@ void RunTrain(const Arguments& arguments) {
 void AddTrainCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("train", "Train a lifter on datasets, without labels or calibration");
-  command->add_option("data", arguments->data, "Dataset files made by import or simulate")->required();
+  command->add_option("data", arguments->data, "Dataset files made by import")->required();
   command->add_option("-o,--output", arguments->run_folder, "Folder for the model, checkpoints and logs")->required();
   command->add_option("--preset", arguments->preset, fmt::format("One of {} (default plus)", PresetNames()));
   // These are --set with a name of their own.

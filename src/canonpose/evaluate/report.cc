@@ -70,7 +70,8 @@ std::string ReportAsTable(const EvaluationReport& report) {
   if (report.missing_predictions > 0) text += fmt::format("; {} more were not predicted", report.missing_predictions);
   if (report.unusable_truths > 0) text += fmt::format("; {} more have too little truth", report.unusable_truths);
   text += fmt::format("\nMirrored in depth: {:.1f} % of the poses", MirroredPercent(report));
-  if (2 * report.mirrored > report.metrics.poses) text += " (train again with the other --mirror keep or flip)";
+  if (2 * report.mirrored > report.metrics.poses)
+    text += " (train again with --mirror flip, or keep where `info` says it was flipped)";
   text += fmt::format("\n\n  {:<24}{:>10}{:>10}{:>10}{:>10}{:>10}\n", "", "N-MPJPE", "PMPJPE", "PCK150", "AUC", "CPS");
   text += fmt::format("  {:<24}{:>10}{:>10}{:>10}{:>10}{:>10}\n", "", "mm", "mm", "%", "%", "0-300");
   const Metrics& all = report.metrics;

@@ -67,7 +67,7 @@ class TrainingRun {
   [[noreturn]] void StopAtBadLoss(const std::string& what);
   void EndEpoch();
   std::optional<double> ValidationLoss();
-  void DecideMirror(bool final_decision);
+  void DecideMirror();
   void Mirror();
   void FreePerspectiveIfDecided();
   [[nodiscard]] Checkpoint MakeCheckpoint() const;
@@ -264,7 +264,7 @@ void TrainingRun::Mirror() {
   for (Adam::Parameter& parameter : adam_.parameters()) lifter_->MirrorRows(parameter.name, parameter.first_moment);
 }
 
-void TrainingRun::DecideMirror(bool final_decision) {
+void TrainingRun::DecideMirror() {
   const PerspectiveSlope slope = MeasurePerspectiveSlope(lifter_, split_.training, root_, device_);
   const bool decided_before = info_.mirror.decision != "undecided";
   if (options_.mirror != "auto") {
@@ -294,8 +294,10 @@ void TrainingRun::DecideMirror(bool final_decision) {
   if (!decided_before || slope.is_mirrored()) {
     info_.mirror = {slope.is_mirrored() ? "flipped" : "kept", slope.slope, slope.standard_error};
   }
-  LogInfo("mirror: {}{} ({}, {:.1f} standard errors; negative is right)", slope.is_mirrored() ? "flipped" : "kept",
-          final_decision ? ", after training" : "", slope.Describe(), slope.sureness());
+  const char* what = "right, so kept";
+  if (decided_before) what = "confirmed after training";
+  if (slope.is_mirrored()) what = "mirrored, so flipped";
+  LogInfo("mirror: {} ({}, {:.1f} standard errors; negative is right)", what, slope.Describe(), slope.sureness());
 }
 
 std::optional<double> TrainingRun::ValidationLoss() {
@@ -345,7 +347,7 @@ int TrainingRun::Run() {
   Clock::time_point last_save = Clock::now();
   while (step_ < schedule_.steps()) {
     if (wants_perspective() && step_ == warmup_steps()) {
-      DecideMirror(/*final_decision=*/false);
+      DecideMirror();
       FreePerspectiveIfDecided();
     }
     TakeStep();
@@ -368,7 +370,7 @@ int TrainingRun::Run() {
 
 TrainReport TrainingRun::Finish() {
   RequireSoundness();
-  DecideMirror(/*final_decision=*/true);
+  DecideMirror();
   TrainReport report;
   report.validation_loss = ValidationLoss();
   info_.steps = step_;

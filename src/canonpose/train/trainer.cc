@@ -285,8 +285,8 @@ void TrainingRun::DecideMirror() {
     info_.mirror = {"undecided", slope.slope, slope.standard_error};
     LogWarning(
         "mirror: perspective is too weak to tell the pose from its depth mirror ({}, {:.1f} standard errors; {} are "
-        "needed); look at "
-        "the poses and train again with --mirror keep or --mirror flip",
+        "needed), or training found no good solution; try another --seed, or look at the poses and train again with "
+        "--mirror keep or --mirror flip",
         slope.Describe(), slope.sureness(), PerspectiveSlope::kSure);
     return;
   }

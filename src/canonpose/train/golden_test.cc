@@ -154,7 +154,7 @@ class GoldenCase {
       EXPECT_EQ(permutation.size(), count);
       return permutation;
     };
-    const int highest = frames_.empty() ? 0 : *subjects.rbegin();
+    const int highest = counts.rbegin()->first;
     const std::vector<std::uint8_t> all_static(static_cast<std::size_t>(highest) + 1, 1);
     const BatchPairs pairs = MakeBatchPairs(frames, all_static, true, draw);
     return ComputeLosses(lifter_->forward(LifterInput(batch_)), batch_, pairs, LossWeights{}, torch::Tensor(), 0);

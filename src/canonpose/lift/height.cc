@@ -16,7 +16,7 @@ struct HeadJoint {
   double height;
 };
 
-/// What may end the path upwards, best first; a head joint made from the eyes is at their height.
+/// What may end the path upwards, best first. A head joint is taken to be the top of the head.
 constexpr HeadJoint kHeads[] = {{"HeadTop", 1.0}, {"top_head", 1.0}, {"Head", 1.0}, {"Nose", 0.91}};
 constexpr const char* kAnkles[][2] = {{"LFoot", "RFoot"}, {"LAnkle", "RAnkle"}, {"LAnk", "RAnk"}, {"lfoot", "rfoot"}};
 

@@ -46,7 +46,7 @@ class PoseLifter {
 
 /// Turns every pose to millimetres of a person `height_mm` tall: each pose gets the same sum of bone lengths, and the
 /// person's stature is the median over frames of the path from an ankle over the hips to the head, which are 3.9 %
-/// and 93.6 to 100 % of the stature above ground (Winter, Biomechanics and Motor Control of Human Movement). Throws
+/// and, for a head joint, 100 % of the stature above ground (Winter, Biomechanics and Motor Control of Human Movement). Throws
 /// Error(kBadInput) where the skeleton has no such path.
 void ScaleToHeight(LiftedPoses& poses, const Skeleton& skeleton, double height_mm);
 

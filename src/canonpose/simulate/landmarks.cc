@@ -1,0 +1,67 @@
+#include "canonpose/simulate/landmarks.h"
+
+#include <array>
+
+#include "canonpose/base/error.h"
+
+namespace canonpose {
+namespace {
+
+Skeleton MakeLandmarkSkeleton() {
+  Skeleton skeleton = *FindSkeleton("h36m-17");
+  skeleton.name = "landmarks";
+  struct Extra {
+    const char* name;
+    Landmark parent;
+    Landmark mirror;
+  };
+  static constexpr std::array<Extra, 11> kExtras = {{{"REye", kNose, kLEye},
+                                                     {"LEye", kNose, kREye},
+                                                     {"REar", kREye, kLEar},
+                                                     {"LEar", kLEye, kREar},
+                                                     {"UpperNeck", kThorax, kUpperNeck},
+                                                     {"LBigToe", kLFoot, kRBigToe},
+                                                     {"LSmallToe", kLBigToe, kRSmallToe},
+                                                     {"LHeel", kLFoot, kRHeel},
+                                                     {"RBigToe", kRFoot, kLBigToe},
+                                                     {"RSmallToe", kRBigToe, kLSmallToe},
+                                                     {"RHeel", kRFoot, kLHeel}}};
+  for (const Extra& extra : kExtras) {
+    skeleton.joints.emplace_back(extra.name);
+    skeleton.parents.push_back(extra.parent);
+    skeleton.mirror.push_back(extra.mirror);
+  }
+  CANONPOSE_CHECK(skeleton.Problem().empty() && skeleton.joint_count() == kLandmarkCount, "{}", skeleton.Problem());
+  return skeleton;
+}
+
+}  // namespace
+
+const Skeleton& LandmarkSkeleton() {
+  static const Skeleton skeleton = MakeLandmarkSkeleton();
+  return skeleton;
+}
+
+// Radii from circumferences of the limbs of an average adult (thigh 56 cm, calf 37 cm, upper arm 30 cm, head 57 cm,
+// chest 98 cm as two capsules side by side) over a stature of 1.73 m, a little thinner at the ends of the limbs.
+const std::vector<Capsule>& BodyCapsules() {
+  static const std::vector<Capsule> capsules = {
+      {kRHip, kRKnee, 0.042},    {kRKnee, kRFoot, 0.028},      {kRHeel, kRBigToe, 0.020},  {kLHip, kLKnee, 0.042},
+      {kLKnee, kLFoot, 0.028},   {kLHeel, kLBigToe, 0.020},    {kRHip, kRShoulder, 0.050}, {kLHip, kLShoulder, 0.050},
+      {kHip, kThorax, 0.055},    {kLShoulder, kLElbow, 0.025}, {kLElbow, kLWrist, 0.019},  {kRShoulder, kRElbow, 0.025},
+      {kRElbow, kRWrist, 0.019}, {kThorax, kUpperNeck, 0.032}, {kUpperNeck, kHead, 0.045},
+  };
+  return capsules;
+}
+
+double StatureMm(const Eigen::Vector3d* p) {
+  const auto length = [&](Landmark a, Landmark b) { return (p[a] - p[b]).norm(); };
+  // The ankle stands above the sole by about 4.5 % of the stature.
+  const double right = length(kRHip, kRKnee) + length(kRKnee, kRFoot);
+  const double left = length(kLHip, kLKnee) + length(kLKnee, kLFoot);
+  const double above_sole = (right + left) / 2 + length(kHip, kSpine) + length(kSpine, kThorax) +
+                            length(kThorax, kUpperNeck) + length(kUpperNeck, kHead);
+  return above_sole / (1.0 - 0.045);
+}
+
+}  // namespace canonpose

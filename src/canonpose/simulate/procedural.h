@@ -1,0 +1,38 @@
+// Motion made from nothing: people of varied build who walk, run, jump, squat, reach, throw, gesture, dance and ski.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canonpose/simulate/landmarks.h"
+#include "canonpose/simulate/motion.h"
+
+namespace canonpose {
+
+enum class Activity { kGait, kRun, kJump, kSquat, kSit, kReach, kThrow, kGesture, kDance, kSki };
+
+/// All activities, in the order of the enumeration.
+const std::vector<Activity>& AllActivities();
+/// "gait", "run", ...
+std::string_view ActivityName(Activity activity);
+/// By name; throws Error(kUsage) listing the names.
+Activity ParseActivity(std::string_view name);
+
+struct ProceduralClip {
+  Activity activity = Activity::kGait;
+  std::uint64_t subject_seed = 0;  ///< the person
+  std::uint64_t motion_seed = 0;   ///< what the person does
+  double fps = 50.0;
+  int frames = 500;
+  std::string name;
+  std::string subject;
+};
+
+/// The motion of a clip; the same bits for the same clip. Joints are named as the landmarks are (some have none), so
+/// that MakeLandmarkTrack() finds them. The root starts near the origin, on the ground z = 0 (a skier: on the slope
+/// through it).
+ArticulatedMotion MakeProceduralMotion(const ProceduralClip& clip);
+
+}  // namespace canonpose

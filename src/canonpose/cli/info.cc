@@ -60,8 +60,12 @@ void PrintDataset(const Dataset& dataset) {
 void PrintModel(const ModelInfo& info) {
   fmt::print("made by      canonpose {}\n", info.program_version);
   fmt::print("training     preset {}, width {}, seed {}, {} steps\n", info.preset, info.width, info.seed, info.steps);
-  fmt::print("mirror       {} (slope {:+.3f} +- {:.3f} before the decision; negative is right)\n", info.mirror.decision,
-             info.mirror.slope, info.mirror.slope_error);
+  fmt::print("mirror       {}", info.mirror.decision);
+  if (info.mirror.slope_error > 0.0) {
+    fmt::print(" (slope {:+.3f} +- {:.3f} before the decision; negative is right)", info.mirror.slope,
+               info.mirror.slope_error);
+  }
+  fmt::print("\n");
   if (info.perspective != 0.0) fmt::print("perspective  {:.3f}\n", info.perspective);
   for (std::size_t i = 0; i < info.data_files.size(); ++i) {
     fmt::print("data         {} (fingerprint {})\n", info.data_files[i], info.data_fingerprints[i]);

@@ -102,7 +102,7 @@ void AddTrainCommand(CLI::App& app) {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   };
   add("--epochs", "epochs", "Times to go through the data (default 100, more for small recordings)");
-  add("--width", "width", "Width of the network's layers (default 256, paper and paper+c 1024)");
+  add("--width", "width", "Width of the network's layers (default 256 for plus, otherwise 1024)");
   add("--device", "device", "cpu or cuda (default cpu)");
   add("--seed", "seed", "Seed of all randomness (default 0)");
   add("--mirror", "mirror", "auto: decide by perspective; keep or flip: by your choice (default auto)");

@@ -124,17 +124,21 @@ BatchTensors GatherBatch(const TrainingSet& set, const std::vector<const Trainin
   std::int64_t rows = 0;
   for (const TrainingFrame* frame : frames) rows += static_cast<std::int64_t>(frame->views.size());
   const auto joints = static_cast<std::int64_t>(set.joint_count);
-  BatchTensors batch{torch::empty({rows, 2, joints}), torch::empty({rows, joints})};
+  BatchTensors batch{torch::empty({rows, 2, joints}), torch::empty({rows, joints}), {}};
+  if (!set.truth.empty()) batch.truth = torch::empty({rows, 3, joints});
+  float* truth = set.truth.empty() ? nullptr : batch.truth.data_ptr<float>();
   float* keypoints = batch.keypoints.data_ptr<float>();
   float* confidence = batch.confidence.data_ptr<float>();
   for (const TrainingFrame* frame : frames) {
     for (const TrainingView& view : frame->views) {
       keypoints = std::copy_n(set.keypoints.begin() + view.row * 2 * joints, 2 * joints, keypoints);
       confidence = std::copy_n(set.confidence.begin() + view.row * joints, joints, confidence);
+      if (truth != nullptr) truth = std::copy_n(set.truth.begin() + view.row * 3 * joints, 3 * joints, truth);
     }
   }
   batch.keypoints = batch.keypoints.to(device);
   batch.confidence = batch.confidence.to(device);
+  if (truth != nullptr) batch.truth = batch.truth.to(device);
   return batch;
 }
 
@@ -156,6 +160,21 @@ torch::Tensor PairErrors(const torch::Tensor& projected, const torch::Tensor& ke
   const torch::Tensor seen = (confidence > 0).to(projected.scalar_type());  // (P, J)
   const torch::Tensor difference = keypoints / SeenNorm(keypoints, seen) - projected / SeenNorm(projected, seen);
   return (difference.abs().sum(1) * confidence).sum(1) / (2.0 * static_cast<double>(confidence.size(1)));
+}
+
+Losses ComputeSupervisedLoss(const LifterOutput& output, const BatchTensors& batch, int root) {
+  const torch::Tensor pose = torch::bmm(output.rotation, output.pose);                     // (R, 3, J)
+  const torch::Tensor known = torch::isfinite(batch.truth).all(1).to(pose.scalar_type());  // (R, J)
+  const torch::Tensor truth = torch::nan_to_num(batch.truth);                              // (R, 3, J)
+  const torch::Tensor centred = (pose - pose.narrow(2, root, 1)) * known.unsqueeze(1);     // (R, 3, J)
+  const torch::Tensor norm = torch::sqrt(torch::clamp_min((centred * centred).sum({1, 2}, true), 1e-12));
+  const torch::Tensor squares = (centred / norm - truth).square().sum(1);  // (R, J)
+  // The root's distance is 0, where the square root has no gradient.
+  const torch::Tensor distance = torch::sqrt(squares + 1e-12) * known;
+  Losses losses;
+  losses.total = distance.sum() / torch::clamp_min(known.sum(), 1.0);
+  losses.reprojection = losses.view = losses.camera = torch::zeros({}, losses.total.options());
+  return losses;
 }
 
 Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs,

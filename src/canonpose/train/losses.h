@@ -57,6 +57,7 @@ BatchPairs MakeBatchPairs(const std::vector<const TrainingFrame*>& frames,
 struct BatchTensors {
   torch::Tensor keypoints;   ///< (R, 2, J)
   torch::Tensor confidence;  ///< (R, J)
+  torch::Tensor truth;  ///< (R, 3, J) root-centred, of unit norm, NaN where unknown; undefined where the set has none
 };
 
 /// The rows of `frames`, in the order MakeBatchPairs() numbers them.
@@ -68,7 +69,7 @@ struct LossWeights {
   double camera = 0.1;
 };
 
-/// The three losses and their weighted sum; scalars. `camera` is 0 without camera pairs.
+/// The losses and their weighted sum; scalars. `camera` is 0 without camera pairs. With truth there is `total` alone.
 struct Losses {
   torch::Tensor reprojection;
   torch::Tensor view;
@@ -87,6 +88,10 @@ torch::Tensor Project(const torch::Tensor& pose_in_camera, const torch::Tensor& 
 /// l(p) of the formula above, (P): `projected` is q (P, 2, J); keypoints W (P, 2, J); confidence (P, J).
 torch::Tensor PairErrors(const torch::Tensor& projected, const torch::Tensor& keypoints,
                          const torch::Tensor& confidence);
+
+/// The loss of supervised training, scale-free as N-MPJPE is: the mean distance of joints between P / |P| and the
+/// truth, P the pose in the camera centred on the root, |.| the Frobenius norm over the joints whose truth is known.
+Losses ComputeSupervisedLoss(const LifterOutput& output, const BatchTensors& batch, int root);
 
 Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs,
                      const LossWeights& weights, const torch::Tensor& perspective, int root);

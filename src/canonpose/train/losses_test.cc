@@ -177,6 +177,53 @@ TEST(Losses, AreZeroForPosesThatProjectOntoTheKeypoints) {
   EXPECT_NEAR(ComputeLosses(output, batch, pairs, {}, k, 0).total.item<double>(), 0.0, 1e-12);
 }
 
+TEST(SupervisedLoss, GradientsMatchNumericOnesAndUnknownTruthTakesNoPart) {
+  Example example({Frame(0, {0, 1, 2}), Frame(0, {0, 2})});
+  const std::int64_t rows = example.batch.keypoints.size(0);
+  const std::int64_t joints = example.batch.keypoints.size(2);
+  torch::manual_seed(5);
+  torch::Tensor truth = torch::randn({rows, 3, joints}, kDouble);
+  truth = truth - truth.narrow(2, 0, 1);
+  truth[1].select(1, 2).fill_(std::numeric_limits<double>::quiet_NaN());
+  const torch::Tensor squares = torch::nan_to_num(truth).square().sum({1, 2}, true);
+  example.batch.truth = truth / squares.sqrt();
+  const auto loss = [&] {
+    return ComputeSupervisedLoss(example.lifter->forward(LifterInput(example.batch)), example.batch, 0).total;
+  };
+  loss().backward();
+  for (const auto& item : example.lifter->named_parameters()) {
+    torch::Tensor flat = item.value().detach().view({-1});
+    const std::int64_t index = flat.numel() / 2;
+    constexpr double kStep = 1e-6;
+    const double original = flat[index].item<double>();
+    flat[index] = original + kStep;
+    const double above = loss().item<double>();
+    flat[index] = original - kStep;
+    const double below = loss().item<double>();
+    flat[index] = original;
+    EXPECT_NEAR(item.value().grad().view({-1})[index].item<double>(), (above - below) / (2 * kStep), 1e-7)
+        << item.key();
+  }
+}
+
+TEST(SupervisedLoss, IsZeroForTheTruthAtAnyScaleAndPlaceAndNotForItsMirror) {
+  torch::manual_seed(6);
+  torch::Tensor truth = torch::randn({4, 3, 6}, kDouble);
+  truth = truth - truth.narrow(2, 0, 1);
+  truth = truth / truth.square().sum({1, 2}, true).sqrt();
+  BatchTensors batch;
+  batch.truth = truth.clone();
+  batch.truth[2].select(1, 5).fill_(std::numeric_limits<double>::quiet_NaN());
+  batch.truth[2] /= torch::nan_to_num(batch.truth[2]).square().sum().sqrt();
+  LifterOutput output;
+  output.rotation = Rodrigues(torch::randn({4, 3}, kDouble));
+  output.pose = torch::bmm(output.rotation.transpose(1, 2), 7.0 * truth + 3.0);
+  EXPECT_NEAR(ComputeSupervisedLoss(output, batch, 0).total.item<double>(), 0.0, 2e-6);
+  output.pose =
+      torch::bmm(output.rotation.transpose(1, 2), truth * torch::tensor({1.0, 1.0, -1.0}, kDouble).view({3, 1}));
+  EXPECT_GT(ComputeSupervisedLoss(output, batch, 0).total.item<double>(), 0.1);
+}
+
 TEST(Project, NearPartsLookLarger) {
   // Root at the origin, one joint nearer and one farther, at the same offset.
   const torch::Tensor pose = torch::tensor({{{0.0, 1.0, 1.0}, {0.0, 0.0, 0.0}, {0.0, -1.0, 1.0}}}, kDouble);

@@ -24,6 +24,7 @@ void VisitFields(Options& o, Visit&& visit) {
   visit("batch_frames", o.batch_frames, true);
   visit("learning_rate", o.learning_rate, true);
   visit("weight_decay", o.weight_decay, true);
+  visit("supervision", o.supervision, true);
   visit("view_weight", o.view_weight, true);
   visit("camera_weight", o.camera_weight, true);
   visit("camera_consistency", o.camera_consistency, true);
@@ -85,6 +86,12 @@ void TrainOptions::Validate() const {
   RequireOneOf("camera_consistency", camera_consistency, {"off", "static"});
   RequireOneOf("perspective", perspective, {"off", "learned"});
   RequireOneOf("mirror", mirror, {"auto", "keep", "flip"});
+  RequireOneOf("supervision", supervision, {"none", "truth"});
+  if (supervision == "truth" && mirror != "auto")
+    ThrowUsage("mirror: with supervision=truth there is none to decide; leave it out");
+  if (supervision == "truth" && (perspective != "off" || camera_consistency != "off")) {
+    ThrowUsage("supervision=truth uses no projection: perspective and camera_consistency must be off");
+  }
 }
 
 std::string TrainOptions::ToJson(bool only_what_changes_results) const {
@@ -138,13 +145,17 @@ std::vector<std::string> TrainOptions::Differences(const TrainOptions& other) co
   return names;
 }
 
-std::string PresetNames() { return "paper, paper+c, plus"; }
+std::string PresetNames() { return "paper, paper+c, plus, supervised"; }
 
 TrainOptions PresetOptions(const std::string& preset) {
   TrainOptions options;
   options.preset = preset;
   options.min_steps = 3000;
   if (preset == "paper") return options;
+  if (preset == "supervised") {
+    options.supervision = "truth";
+    return options;
+  }
   options.camera_consistency = "static";
   if (preset == "paper+c") return options;
   if (preset == "plus") {

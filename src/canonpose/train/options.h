@@ -9,7 +9,7 @@
 namespace canonpose {
 
 struct TrainOptions {
-  std::string preset = "plus";  ///< what the others were set by: paper, paper+c, plus
+  std::string preset = "plus";  ///< what the others were set by: paper, paper+c, plus, supervised
   int epochs = 0;               ///< 0: `default_epochs`, more where `min_steps` asks for it
   int default_epochs = 100;
   int min_steps = 0;            ///< a small recording is gone through more often until this many steps are taken
@@ -17,8 +17,10 @@ struct TrainOptions {
   int batch_frames = 32;        ///< frames a step, each with all its views
   double learning_rate = 1e-4;  ///< x 0.1 after 30, 60 and 90 % of the epochs
   double weight_decay = 1e-5;   ///< L2, added to the gradient
-  double view_weight = 1.0;     ///< weight of view consistency
-  double camera_weight = 0.1;   ///< weight of camera consistency
+  std::string supervision =
+      "none";  ///< none: the views alone; truth: the dataset's 3D poses, as a measure of what could be had
+  double view_weight = 1.0;                 ///< weight of view consistency
+  double camera_weight = 0.1;               ///< weight of camera consistency
   std::string camera_consistency = "off";   ///< off; static: for captures whose cameras stand still
   std::string perspective = "off";          ///< off: weak perspective as published; learned: one factor k, learned
   double perspective_warmup = 0.3;          ///< share of the steps before k is set free
@@ -54,11 +56,12 @@ struct TrainOptions {
 ///   paper+c  paper with camera consistency
 ///   plus     paper+c where cameras are static, with the learned perspective factor, a quarter of the width and a
 ///   higher learning rate
+///   supervised  the same lifter trained with the dataset's true 3D poses: what the others are measured against
 ///
 /// All go through a small recording more often than 100 times, until 3000 steps are taken.
 TrainOptions PresetOptions(const std::string& preset);
 
-/// "paper, paper+c, plus"
+/// "paper, paper+c, plus, supervised"
 std::string PresetNames();
 
 }  // namespace canonpose

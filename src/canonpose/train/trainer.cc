@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -21,6 +20,7 @@
 #include "canonpose/train/checkpoint.h"
 #include "canonpose/train/losses.h"
 #include "canonpose/train/mirror.h"
+#include "canonpose/train/run_folder.h"
 #include "canonpose/train/schedule.h"
 #include "canonpose/train/training_set.h"
 
@@ -49,6 +49,7 @@ class TrainingRun {
   TrainReport Finish();
 
  private:
+  [[nodiscard]] bool is_supervised() const { return options_.supervision == "truth"; }
   [[nodiscard]] bool wants_perspective() const { return options_.perspective == "learned"; }
   [[nodiscard]] std::int64_t warmup_steps() const {
     return static_cast<std::int64_t>(options_.perspective_warmup * static_cast<double>(schedule_.steps()));
@@ -66,6 +67,7 @@ class TrainingRun {
   void RequireSoundness();
   [[noreturn]] void StopAtBadLoss(const std::string& what);
   void EndEpoch();
+  [[nodiscard]] std::string DescribeLoss() const;
   std::optional<double> ValidationLoss();
   void DecideMirror();
   void Mirror();
@@ -196,6 +198,10 @@ std::vector<const TrainingFrame*> TrainingRun::BatchOf(std::int64_t step) {
 
 Losses TrainingRun::BatchLosses(std::int64_t step) {
   const std::vector<const TrainingFrame*> frames = BatchOf(step);
+  if (is_supervised()) {
+    const BatchTensors batch = GatherBatch(split_.training, frames, device_);
+    return ComputeSupervisedLoss(lifter_->forward(LifterInput(batch)), batch, root_);
+  }
   Rng permutations(options_.seed, {kPermutations, static_cast<std::uint64_t>(step)});
   const BatchPairs pairs =
       MakeBatchPairs(frames, split_.training.static_captures, options_.camera_consistency == "static",
@@ -265,6 +271,10 @@ void TrainingRun::Mirror() {
 }
 
 void TrainingRun::DecideMirror() {
+  if (is_supervised()) {
+    info_.mirror = {"known from the truth", 0.0, 0.0};
+    return;
+  }
   const PerspectiveSlope slope = MeasurePerspectiveSlope(lifter_, split_.training, root_, device_);
   const bool decided_before = info_.mirror.decision != "undecided";
   if (options_.mirror != "auto") {
@@ -310,8 +320,10 @@ std::optional<double> TrainingRun::ValidationLoss() {
     std::vector<const TrainingFrame*> frames;
     for (std::size_t n = first; n < std::min(first + kChunk, set.frames.size()); ++n) frames.push_back(&set.frames[n]);
     const BatchTensors batch = GatherBatch(set, frames, device_);
-    const BatchPairs pairs = MakeBatchPairs(frames, set.static_captures, false, nullptr);
-    const Losses losses = ComputeLosses(lifter_->forward(LifterInput(batch)), batch, pairs,
+    const LifterOutput output = lifter_->forward(LifterInput(batch));
+    const Losses losses =
+        is_supervised() ? ComputeSupervisedLoss(output, batch, root_)
+                        : ComputeLosses(output, batch, MakeBatchPairs(frames, set.static_captures, false, nullptr),
                                         {1.0, options_.view_weight, 0.0}, PerspectiveInLosses(), root_);
     sum += losses.total.item<double>() * static_cast<double>(frames.size());
   }
@@ -326,9 +338,11 @@ void TrainingRun::EndEpoch() {
   line["step"] = step_;
   line["learning_rate"] = options_.learning_rate * LearningRateFactor(epoch() - 1, schedule_.epochs);
   line["loss"] = sums_.total / steps;
-  line["reprojection"] = sums_.reprojection / steps;
-  line["view"] = sums_.view / steps;
-  line["camera"] = sums_.camera / steps;
+  if (!is_supervised()) {
+    line["reprojection"] = sums_.reprojection / steps;
+    line["view"] = sums_.view / steps;
+    line["camera"] = sums_.camera / steps;
+  }
   const std::optional<double> validation = ValidationLoss();
   line["validation"] = validation ? Json(*validation) : Json(nullptr);
   line["perspective"] = perspective_.item<double>();
@@ -338,6 +352,13 @@ void TrainingRun::EndEpoch() {
                             sums_.total / steps, validation.value_or(NAN)));
   epoch_start_ = now;
   sums_ = {};
+}
+
+std::string TrainingRun::DescribeLoss() const {
+  const auto steps = static_cast<double>(std::max<std::int64_t>(1, sums_.steps));
+  if (is_supervised()) return fmt::format("loss {:.4f}", sums_.total / steps);
+  return fmt::format("loss {:.3f} (reprojection {:.3f}, view {:.3f}, camera {:.3f})", sums_.total / steps,
+                     sums_.reprojection / steps, sums_.view / steps, sums_.camera / steps);
 }
 
 int TrainingRun::Run() {
@@ -352,10 +373,7 @@ int TrainingRun::Run() {
     }
     TakeStep();
     if (progress.IsDue()) {
-      const auto steps = static_cast<double>(sums_.steps);
-      progress.Update(step_,
-                      fmt::format("loss {:.3f} (reprojection {:.3f}, view {:.3f}, camera {:.3f})", sums_.total / steps,
-                                  sums_.reprojection / steps, sums_.view / steps, sums_.camera / steps));
+      progress.Update(step_, DescribeLoss());
     }
     if (step_ % schedule_.steps_per_epoch == 0) EndEpoch();
     const bool is_due = std::chrono::duration<double>(Clock::now() - last_save).count() >= options_.checkpoint_seconds;
@@ -380,25 +398,14 @@ TrainReport TrainingRun::Finish() {
   return report;
 }
 
-/// Lines of epochs that lie after the checkpoint will be written again.
-void DropLaterMetrics(const fs::path& path, std::int64_t step) {
-  if (!fs::exists(path)) return;
-  std::istringstream lines(ReadFile(path));
-  std::string kept;
-  for (std::string line; std::getline(lines, line);) {
-    const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
-    if (json.is_object() && json.value("step", std::int64_t{0}) <= step && json.contains("step")) kept += line + "\n";
-  }
-  WriteFileAtomically(path, kept);
-}
-
 void DescribeStart(const TrainingRun& run, const TrainOptions& options) {
   const TrainingSplit& split = run.split();
   const Schedule& schedule = run.schedule();
   const std::size_t moving = static_cast<std::size_t>(
       std::count(split.training.static_captures.begin(), split.training.static_captures.end(), std::uint8_t{0}));
-  LogInfo("{} frames to train on, {} held out, {} left out (seen by fewer than two cameras)",
-          split.training.frames.size(), split.validation.frames.size(), split.frames_without_pairs);
+  LogInfo("{} frames to train on, {} held out, {} left out ({})", split.training.frames.size(),
+          split.validation.frames.size(), split.frames_left_out,
+          options.supervision == "truth" ? "no truth" : "seen by fewer than two cameras");
   LogInfo("preset {}, width {}, {} epochs of {} steps on {} ({} threads)", options.preset, options.width,
           schedule.epochs, schedule.steps_per_epoch, options.device, ThreadCount());
   if (options.epochs == 0 && schedule.epochs != options.default_epochs) {
@@ -408,27 +415,6 @@ void DescribeStart(const TrainingRun& run, const TrainOptions& options) {
   if (options.camera_consistency == "static" && moving > 0) {
     LogInfo("camera consistency is left out for {} of {} captures, whose cameras move", moving,
             split.training.static_captures.size());
-  }
-}
-
-/// Refuses to train over an earlier run unless asked to, and removes what kills left half-written.
-void PrepareFolder(const TrainJob& job) {
-  MakeDirectory(job.run_folder);
-  const bool holds_checkpoint = fs::exists(job.run_folder / "checkpoint.h5");
-  const bool holds_run = fs::exists(job.run_folder / "model.cpm") || holds_checkpoint;
-  const bool goes_on = job.resume && holds_checkpoint;
-  if (holds_run && !goes_on && !job.overwrite) {
-    ThrowUsage(
-        "{} holds a training run already; add --resume to go on with it, --overwrite to replace it, or choose another "
-        "folder",
-        job.run_folder.string());
-  }
-  for (const fs::directory_entry& entry : fs::directory_iterator(job.run_folder)) {
-    const std::string name = entry.path().filename().string();
-    const bool is_ours = name.find("checkpoint.h5-") != std::string::npos ||
-                         name.find("model.cpm-") != std::string::npos ||
-                         name.find("metrics.jsonl-") != std::string::npos;
-    if (name.starts_with(".new-") && is_ours) fs::remove(entry.path());
   }
 }
 
@@ -456,8 +442,10 @@ TrainReport Train(const TrainJob& job) {
   SetThreadCount(job.options.threads);
   WarnAboutSlowLinearAlgebra();
   CheckDatasets(job);
-  TrainingSplit split = MakeTrainingSplit(job.datasets, job.options.validation);
-  PrepareFolder(job);
+  TrainingSplit split =
+      MakeTrainingSplit(job.datasets, job.options.validation,
+                        job.options.supervision == "truth" ? TrainingTarget::kTruth : TrainingTarget::kViews);
+  PrepareRunFolder(job.run_folder, job.resume, job.overwrite);
   TrainingRun run(job, std::move(split));
   if (!job.resume) {
     // An earlier model and checkpoint stay until this run replaces them by its own.

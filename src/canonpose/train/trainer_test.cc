@@ -147,7 +147,7 @@ TEST(MakeTrainingSplit, HoldsOutTheEndOfEveryStretchAndLeavesOutLoneViews) {
   const TrainingSplit split = MakeTrainingSplit({dataset}, 0.1);
   EXPECT_EQ(split.validation.frames.size(), 10U);
   EXPECT_EQ(split.training.frames.size(), 89U);
-  EXPECT_EQ(split.frames_without_pairs, 1);
+  EXPECT_EQ(split.frames_left_out, 1);
   EXPECT_EQ(split.training.row_count(), 89 * 3 - 1);
   EXPECT_EQ(split.training.frames[7].views.size(), 2U);  // frame 8
   EXPECT_EQ(split.training.frames[7].views[0].camera, 1);
@@ -241,6 +241,37 @@ TEST(Train, LearnsTheBodyTheRightWayRoundForEverySeed) {
   // Which mirror training finds is chance; these seeds have both, so that both decisions are tried.
   EXPECT_GT(flipped, 0);
   EXPECT_LT(flipped, 3);
+}
+
+TEST(Train, WithTruthDepthsAreLearnedTheRightWayRound) {
+  const TemporaryFolder folder;
+  TrainJob job = Job(folder, "run", "supervised");
+  job.datasets = {PuppetShow(120, 2)};
+  // The truth of some frames is unknown in one camera.
+  std::vector<float>& truth = job.datasets[0].sequences[0].cameras[0].truth;
+  std::fill(truth.begin(), truth.begin() + 20 * kJoints * 3, std::numeric_limits<float>::quiet_NaN());
+  job.options.width = 32;
+  job.options.epochs = 150;
+  job.options.learning_rate = 2e-3;
+  const TrainReport report = Train(job);
+  EXPECT_EQ(report.model.mirror.decision, "known from the truth");
+  Lifter lifter = MakeLifter(ReadModelFile(job.run_folder), "model.cpm", torch::kCPU);
+  EXPECT_GT(DepthCorrelation(lifter, PuppetShow(120, 2, /*seed=*/2)), 0.9);
+
+  // One camera is enough where the truth is known.
+  job.datasets = {PuppetShow(40, 1)};
+  job.run_folder = folder / "one";
+  job.options.epochs = 1;
+  EXPECT_EQ(Train(job).model.steps, 5);
+}
+
+TEST(Train, SupervisionWithoutTruthIsRefused) {
+  const TemporaryFolder folder;
+  TrainJob job = Job(folder, "run", "supervised");
+  for (CameraView& view : job.datasets[0].sequences[0].cameras) view.truth.clear();
+  EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { Train(job); }), HasSubstr("truth"));
+  job.options.perspective = "learned";
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { Train(job); }), HasSubstr("supervision"));
 }
 
 TEST(Train, MirrorByRequestIsTheExactMirror) {

@@ -27,6 +27,9 @@ struct TrainingSet {
   int joint_count = 0;
   std::vector<float> keypoints;   ///< (N, 2J) planar, normalised (geometry/normalisation.h)
   std::vector<float> confidence;  ///< (N, J)
+  /// (N, 3J) planar, in the camera's frame, centred on the root and of unit Frobenius norm; NaN where unknown. Empty
+  /// unless asked for.
+  std::vector<float> truth;
   std::vector<TrainingFrame> frames;
   std::vector<std::uint8_t> static_captures;  ///< per capture: whether its cameras stand still
 
@@ -38,12 +41,19 @@ struct TrainingSet {
 struct TrainingSplit {
   TrainingSet training;
   TrainingSet validation;
-  int frames_without_pairs = 0;  ///< frames seen by fewer than two cameras; left out
+  int frames_left_out = 0;  ///< seen by too few cameras: fewer than two, or none whose truth is known
+};
+
+/// What the network is to learn from.
+enum class TrainingTarget {
+  kViews,  ///< other views: frames seen by two cameras or more
+  kTruth,  ///< the true 3D poses: views whose truth has the root and at least half of the joints
 };
 
 /// The frames of all datasets, `validation_share` of them held out: the end of every 50 frames of a sequence. Sequences
 /// of one capture share their cameras by name, also across datasets where the capture is named in the file. Throws
-/// Error(kComputation) where no frame is seen by two cameras.
-TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double validation_share);
+/// Error(kComputation) where no frame can be used.
+TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double validation_share,
+                                TrainingTarget target = TrainingTarget::kViews);
 
 }  // namespace canonpose

@@ -1,0 +1,47 @@
+#include "canonpose/train/run_folder.h"
+
+#include <sstream>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/error.h"
+
+namespace canonpose {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+void PrepareRunFolder(const fs::path& folder, bool resume, bool overwrite) {
+  MakeDirectory(folder);
+  const bool holds_checkpoint = fs::exists(folder / "checkpoint.h5");
+  const bool holds_run = fs::exists(folder / "model.cpm") || holds_checkpoint;
+  const bool goes_on = resume && holds_checkpoint;
+  if (holds_run && !goes_on && !overwrite) {
+    ThrowUsage(
+        "{} holds a training run already; add --resume to go on with it, --overwrite to replace it, or choose another "
+        "folder",
+        folder.string());
+  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    const bool is_ours = name.find("checkpoint.h5-") != std::string::npos ||
+                         name.find("model.cpm-") != std::string::npos ||
+                         name.find("metrics.jsonl-") != std::string::npos;
+    if (name.starts_with(".new-") && is_ours) fs::remove(entry.path());
+  }
+}
+
+void DropLaterMetrics(const fs::path& path, std::int64_t step) {
+  if (!fs::exists(path)) return;
+  std::istringstream lines(ReadFile(path));
+  std::string kept;
+  for (std::string line; std::getline(lines, line);) {
+    const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
+    if (json.is_object() && json.value("step", std::int64_t{0}) <= step && json.contains("step")) kept += line + "\n";
+  }
+  WriteFileAtomically(path, kept);
+}
+
+}  // namespace canonpose

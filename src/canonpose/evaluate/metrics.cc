@@ -83,6 +83,25 @@ bool IsMirrored(const float* predicted, const float* truth, const MetricJoints& 
   return sum_of_aligned(mirrored.data()) < sum_of_aligned(predicted);
 }
 
+DepthSquares CompareDepths(const float* predicted, const float* truth, const MetricJoints& joints) {
+  const auto root = static_cast<std::size_t>(joints.root);
+  double cross = 0.0;
+  double plane = 0.0;
+  DepthSquares depths;
+  for (std::size_t j = 0; j < joints.included.size(); ++j) {
+    if (!joints.included[j] || !IsKnown(truth, j)) continue;
+    const Eigen::RowVector3d p = Point(predicted, j) - Point(predicted, root);
+    const Eigen::RowVector3d g = Point(truth, j) - Point(truth, root);
+    cross += p.head<2>().dot(g.head<2>());
+    plane += p.head<2>().squaredNorm();
+    depths.predicted += p.z() * p.z();
+    depths.truth += g.z() * g.z();
+  }
+  const double scale = plane > 0.0 ? cross / plane : 0.0;
+  depths.predicted *= scale * scale;
+  return depths;
+}
+
 void MetricSum::Add(const PoseErrors& errors) {
   CANONPOSE_CHECK(errors.outcome == PoseOutcome::kEvaluated, "only evaluated poses are summed up");
   double largest_mm = 0.0;

@@ -52,6 +52,17 @@ PoseErrors ComparePoses(const float* predicted, const float* truth, const Metric
 /// is smaller. To be asked for poses whose outcome is kEvaluated.
 bool IsMirrored(const float* predicted, const float* truth, const MetricJoints& joints);
 
+/// How deep poses are, whichever way round: a lifter that exaggerates depth to explain few views has a ratio far above
+/// 1.
+struct DepthSquares {
+  double predicted = 0.0;  ///< mm^2, after scaling the predicted pose by its image plane (x, y) alone
+  double truth = 0.0;      ///< mm^2
+};
+
+/// Sums of squared depths relative to the root, over the joints that take part. To be asked for poses whose outcome is
+/// kEvaluated.
+DepthSquares CompareDepths(const float* predicted, const float* truth, const MetricJoints& joints);
+
 /// Means over poses and joints; NaN where nothing was added.
 struct Metrics {
   std::int64_t poses = 0;

@@ -127,6 +127,18 @@ TEST(MetricsTest, APerfectPoseHasNoErrorAndAMirroredOneALarge) {
   EXPECT_GT(Mean(mirrored.aligned_mm), 100.0);
 }
 
+TEST(MetricsTest, DepthsAreComparedAfterScalingByTheImagePlaneAlone) {
+  Rng rng(7);
+  const Pose truth = RandomPose(rng);
+  const MetricJoints joints = MetricJoints::All(kJoints, 0);
+  for (const double stretch : {1.0, 2.5, -2.5}) {
+    const Eigen::Matrix3d deeper = 0.01 * Eigen::Vector3d(1.0, 1.0, stretch).asDiagonal();
+    const Pose predicted = Transformed(truth, 1.0, deeper, {1.0, 2.0, 3.0});
+    const DepthSquares depths = CompareDepths(predicted.data(), truth.data(), joints);
+    EXPECT_NEAR(std::sqrt(depths.predicted / depths.truth), std::abs(stretch), 1e-3);
+  }
+}
+
 TEST(MetricsTest, UnknownJointsTakeNoPart) {
   Rng rng(4);
   const Pose truth = RandomPose(rng);

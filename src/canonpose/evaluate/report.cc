@@ -50,6 +50,7 @@ std::string ReportAsJson(const EvaluationReport& report) {
   json["missing_predictions"] = report.missing_predictions;
   json["unusable_truths"] = report.unusable_truths;
   json["mirrored_percent"] = MirroredPercent(report);
+  json["depth_extent_ratio"] = report.depth_extent_ratio;
   json["left_out_joints"] = report.left_out_joints;
   json["per_sequence"] = Json::object();
   for (const auto& [name, errors] : report.per_sequence) json["per_sequence"][name] = ToJson(errors);
@@ -72,6 +73,7 @@ std::string ReportAsTable(const EvaluationReport& report) {
   text += fmt::format("\nMirrored in depth: {:.1f} % of the poses", MirroredPercent(report));
   if (2 * report.mirrored > report.metrics.poses)
     text += " (train again with --mirror flip, or keep where `info` says it was flipped)";
+  text += fmt::format("\nDepth of the poses: {:.2f} times the truth's", report.depth_extent_ratio);
   text += fmt::format("\n\n  {:<24}{:>10}{:>10}{:>10}{:>10}{:>10}\n", "", "N-MPJPE", "PMPJPE", "PCK150", "AUC", "CPS");
   text += fmt::format("  {:<24}{:>10}{:>10}{:>10}{:>10}{:>10}\n", "", "mm", "mm", "%", "%", "0-300");
   const Metrics& all = report.metrics;
@@ -107,6 +109,9 @@ void Evaluation::Add(const std::string& sequence, const float* predicted, const 
   if (errors.outcome == PoseOutcome::kPredictionMissing) ++missing_predictions_;
   if (errors.outcome != PoseOutcome::kEvaluated) return;
   if (IsMirrored(predicted, truth, joints_)) ++mirrored_;
+  const DepthSquares depths = CompareDepths(predicted, truth, joints_);
+  depths_.predicted += depths.predicted;
+  depths_.truth += depths.truth;
   all_.Add(errors);
   sequences_[sequence].Add(errors);
   for (std::size_t j = 0; j < names_.size(); ++j) {
@@ -152,6 +157,7 @@ EvaluationReport Evaluation::Finish(const ReferenceKind& reference, const std::s
   report.missing_predictions = missing_predictions_;
   report.unusable_truths = unusable_truths_;
   report.mirrored = mirrored_;
+  report.depth_extent_ratio = std::sqrt(depths_.predicted / depths_.truth);
   if (report.metrics.poses == 0) {
     ThrowBadInput({file, "", "at least one pose that is known and predicted",
                    fmt::format("{} not predicted, {} with too little truth", missing_predictions_, unusable_truths_),

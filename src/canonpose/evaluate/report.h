@@ -38,13 +38,14 @@ struct EvaluationReport {
   std::int64_t missing_predictions = 0;      ///< poses whose truth is known but that were not predicted; in no mean
   std::int64_t unusable_truths = 0;          ///< poses left out because too little of their truth is known
   std::int64_t mirrored = 0;                 ///< poses whose depth mirror has the right shape rather than they
+  double depth_extent_ratio = 0.0;           ///< root mean square depth of the poses, over that of the truth
   std::map<std::string, MeanErrors> per_sequence;
   std::vector<std::pair<std::string, MeanErrors>> per_joint;  ///< in the skeleton's order
 };
 
 /// The contract's keys, and beside them `reference`, `reference_reprojection_error_px` {median, mean} where the
-/// reference was triangulated, `missing_predictions`, `unusable_truths`, `mirrored_percent` and
-/// `left_out_joints`. `frames` and `joints`
+/// reference was triangulated, `missing_predictions`, `unusable_truths`, `mirrored_percent`,
+/// `depth_extent_ratio` and `left_out_joints`. `frames` and `joints`
 /// are numbers.
 std::string ReportAsJson(const EvaluationReport& report);
 
@@ -85,6 +86,7 @@ class Evaluation {
   std::int64_t missing_predictions_ = 0;
   std::int64_t unusable_truths_ = 0;
   std::int64_t mirrored_ = 0;
+  DepthSquares depths_;
 };
 
 }  // namespace canonpose

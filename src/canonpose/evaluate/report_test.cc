@@ -47,6 +47,7 @@ TEST(ReportTest, JsonHasTheKeysOfTheContract) {
   EXPECT_FALSE(json.contains("reference_reprojection_error_px"));
   EXPECT_EQ(json["missing_predictions"], 1);
   EXPECT_EQ(json["unusable_truths"], 1);
+  EXPECT_NEAR(json["depth_extent_ratio"].get<double>(), 1.0, 0.05);
   EXPECT_NEAR(json["per_sequence"]["walk"]["n_mpjpe_mm"].get<double>(), 0.0, 1e-9);
   EXPECT_NEAR(json["per_sequence"]["run"]["p_mpjpe_mm"].get<double>(), 2.0 * json["p_mpjpe_mm"].get<double>(), 1e-9);
   EXPECT_EQ(json["per_joint"].size(), 5U);

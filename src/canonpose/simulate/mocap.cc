@@ -1,0 +1,58 @@
+#include "canonpose/simulate/mocap.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include "canonpose/base/error.h"
+#include "canonpose/simulate/text_lines.h"
+
+namespace canonpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool IsMotionFile(const fs::path& path) {
+  const std::string extension = LowerCase(path.extension().string());
+  return extension == ".amc" || extension == ".bvh";
+}
+
+}  // namespace
+
+ArticulatedMotion ReadMotion(const fs::path& path) {
+  if (!IsMotionFile(path)) {
+    ThrowBadInput({path.string(), "", "a motion file, .amc or .bvh",
+                   path.has_extension() ? path.extension().string() : "a name without an ending", ""});
+  }
+  return LowerCase(path.extension().string()) == ".amc" ? ReadAcclaim(path) : ReadBvh(path);
+}
+
+std::vector<fs::path> FindMotionFiles(const std::vector<fs::path>& paths) {
+  std::vector<fs::path> all;
+  for (const fs::path& path : paths) {
+    std::error_code error;
+    if (fs::is_regular_file(path, error)) {
+      if (!IsMotionFile(path)) {
+        ThrowBadInput({path.string(), "", "a motion file, .amc or .bvh", "a file of another kind", "check the path"});
+      }
+      all.push_back(path);
+      continue;
+    }
+    if (!fs::is_directory(path, error)) {
+      ThrowBadInput({path.string(), "", "a motion file or a folder of them", "none", "check the path"});
+    }
+    const std::size_t before = all.size();
+    fs::recursive_directory_iterator entry(path, error);
+    for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+      std::error_code entry_error;
+      if (IsMotionFile(entry->path()) && entry->is_regular_file(entry_error)) all.push_back(entry->path());
+    }
+    if (error) ThrowBadInput({path.string(), "", "a folder that can be read", error.message(), ""});
+    if (all.size() == before) ThrowBadInput({path.string(), "", "a file .amc or .bvh in it", "none", "check the path"});
+  }
+  // A file that is named twice, by itself and by its folder, is one clip.
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+}  // namespace canonpose

@@ -18,12 +18,15 @@ struct RigOptions {
   std::string kind = "studio";  ///< studio, ring, ptz, handheld, or the path of a JSON file
   int cameras = 0;              ///< 0: as many as the kind has by itself (studio 4, ring 8 to 14, ptz 6, handheld 4)
   /// How the cameras are spread around the subject: "even", or "opposite", "quarter" (within 90 degrees), "clustered"
-  /// (within 30 degrees). For studio, ptz and handheld rigs.
+  /// (within 30 degrees).
   std::string spread = "even";
-  double distance_m = 0.0;  ///< mean distance from the subject; 0: the kind's own
+  /// Mean distance from the subject; 0: the kind's own. Focal lengths change in proportion, so that the subject stays
+  /// as large in the picture: what changes is the perspective.
+  double distance_m = 0.0;
   double distortion = 0.0;  ///< strength of the lenses' distortion: 0 none, 1 that of a usual sports camera
 
-  /// Throws Error(kUsage) naming the first option that is out of range.
+  /// Throws Error(kBadInput) for a number of cameras that cannot be, Error(kUsage) naming the first other option that
+  /// is out of range. A rig file takes no options beside it.
   void Validate() const;
 };
 
@@ -44,17 +47,27 @@ class Rig {
   [[nodiscard]] virtual std::vector<FilmingCamera> Film(const LandmarkTrack& track, Rng rng) const = 0;
 };
 
-/// A rig for one capture: its cameras differ with `rng` (positions, angles, focal lengths, lenses). Throws
+/// A rig for one capture: its cameras differ with `rng` (positions, angles, focal lengths, lenses). They are aimed at a
+/// subject whose path is centred on the origin, the ground at z = 0. Throws what RigOptions::Validate() does, and
 /// Error(kBadInput) for a rig file that cannot be used.
 ///
 ///   studio    4 static cameras in the corners of a room, 4 to 6 m away, 1.3 to 1.8 m high, 1000x1000 pixels, focal
 ///             length about 1145 px (Human3.6M)
-///   ring      8 to 14 static cameras all around at several heights, some at the ceiling looking down, 2048x2048 pixels
-///             (MPI-INF-3DHP)
-///   ptz       6 pan-tilt-zoom cameras, 10 to 60 m away, that follow the subject and zoom so that it fills a given
-///   share
-///             of the picture (SkiPose)
-///   handheld  4 people who walk around with cameras, 3 to 6 m away
+///   ring      8 to 14 static cameras all around, 0.6 m high to the ceiling from which they look down, 2 to 4 m away,
+///             2048x2048 pixels, focal length 1050 to 1500 px (MPI-INF-3DHP)
+///   ptz       6 pan-tilt-zoom cameras, 10 to 60 m away, below and above the subject, that follow it and zoom so that
+///             it fills 25 to 60 % of the picture's height, 1920x1080 (SkiPose)
+///   handheld  4 people who walk around with phones, 3.4 to 5.6 m away, 1920x1080 or upright
+///
+/// A rig file is JSON (world z up, mm; camera x right, y down, z forward; x_in_camera = R * x_in_world + t):
+///
+///   {"cameras": [{"name": "left", "image_size": [1920, 1080], "K": [[fx, 0, cx], [0, fy, cy], [0, 0, 1]],
+///                 "R": [[..], [..], [..]], "t": [x, y, z], "distortion": [k1, k2, p1, p2]},
+///                {"name": "right", "image_size": [1920, 1080], "position_m": [4, 0, 1.5], "look_at_m": [0, 0, 0.9],
+///                 "focal_px": 1500, "roll_deg": 0}]}
+///
+/// distortion and roll_deg may be left out. K, R and t may each be an array over frames; all that are have the same
+/// length, which must reach for every clip. Film() throws Error(kBadInput) where it does not.
 std::unique_ptr<Rig> MakeRig(const RigOptions& options, Rng rng);
 
 }  // namespace canonpose

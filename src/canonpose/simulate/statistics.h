@@ -1,6 +1,8 @@
 // What a simulated detector's errors are like, in the figures that are known of real ones.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -10,23 +12,44 @@
 
 namespace canonpose {
 
-/// Collects errors over clips and cameras. Errors are in percent of the person's height in the image (stature times
-/// focal length over distance).
+/// Collects errors over clips and cameras, in memory that does not grow with them. Errors are in percent of the
+/// person's height in the image (stature times focal length over distance), of joints that were detected.
 class DetectorStatistics {
  public:
   explicit DetectorStatistics(const DetectorLayout& layout);
   void Add(const LandmarkTrack& track, const FilmingCamera& camera, const Detections& detections);
+  /// Adds what another one of the same layout has collected.
+  void Merge(const DetectorStatistics& other);
 
-  /// Percentile 0..100 of the error of one joint, or of all where joint is -1.
+  /// Percentile 0..100 of the error of one joint, or of all where joint is -1; good to 0.02, 100 where it is more. NaN
+  /// without any detection.
   [[nodiscard]] double Percentile(int joint, double percent) const;
+  /// Percentile 0..100 of the confidences.
+  [[nodiscard]] double ConfidencePercentile(double percent) const;
   /// Area under the ROC curve of low confidence as the sign of a large error (> 5 % of the height); NaN without any.
   [[nodiscard]] double ConfidenceAuc() const;
-  /// Rank (Spearman) correlation of confidence and error.
+  /// Rank (Spearman) correlation of confidence and error; NaN where either is always the same.
   [[nodiscard]] double ConfidenceCorrelation() const;
-  [[nodiscard]] double Share(ErrorKind kind) const;  ///< of joints, 0..1
-  [[nodiscard]] double MissedFrameShare() const;     ///< of frames and cameras
+  /// Share of joints, 0..1, of all frames in which anything was detected.
+  [[nodiscard]] double Share(ErrorKind kind) const;
+  /// Share of frames and cameras, 0..1, that have the person in the image and no detection at all.
+  [[nodiscard]] double MissedFrameShare() const;
   /// A table: percentiles 50, 75, 90, 95, 99 by joint, then the figures above.
   [[nodiscard]] std::string Describe() const;
+
+ private:
+  /// Percentile from counts by bin of the error.
+  [[nodiscard]] double PercentileOf(const std::vector<std::uint64_t>& bins, double percent) const;
+  void AddJoint(std::size_t joint, double error_percent, double confidence);
+
+  DetectorLayout layout_;
+  std::vector<std::vector<std::uint64_t>> errors_;  ///< per joint, by error
+  std::vector<std::uint64_t> large_, small_;        ///< large and small errors by confidence
+  std::vector<std::uint64_t> ranks_;                ///< confidence by error, for the rank correlation
+  std::array<std::uint64_t, 8> kinds_{};            ///< joints by bit of ErrorKind
+  std::uint64_t joints_ = 0;                        ///< in frames with a detection
+  std::uint64_t frames_ = 0;
+  std::uint64_t missed_frames_ = 0;
 };
 
 }  // namespace canonpose

@@ -18,7 +18,7 @@ namespace {
 constexpr double kMostStrength = 10.0;
 constexpr double kMostSyncFrames = 100.0;
 
-/// right-handed axes of the trunk: forward, left, up, as columns.
+/// Right-handed axes of the trunk: forward, left, up, as columns.
 Eigen::Matrix3d TrunkAxes(const Eigen::Vector3d* p) {
   const Eigen::Vector3d up = (p[kThorax] - p[kHip]).normalized();
   const Eigen::Vector3d across = p[kLHip] - p[kRHip];
@@ -110,7 +110,7 @@ class Viewer {
     const Eigen::Matrix3d axes = TrunkAxes(landmarks_.data());
     const Eigen::Vector3d centre =
         -camera.camera_from_world_rotation.transpose() * camera.camera_from_world_translation_mm;
-    const double frames_since = frame > 0 ? 1.0 : 0.0;
+    view.image_size = camera_.image_size;
     view.seconds = frame / track_.fps;
     view.height_px = ImageHeightPx(camera, landmarks_.data());
     view.facing = (centre - landmarks_[kHip]).normalized().dot(axes.col(0));
@@ -128,7 +128,7 @@ class Viewer {
     view.speed.assign(joints_.size(), 0.0);
     for (std::size_t j = 0; j < joints_.size(); ++j) {
       view.pixels[j] = camera.Project(joints_[j]);
-      if (frames_since == 0.0) continue;
+      if (frame == 0) continue;
       const double speed = (view.pixels[j] - previous_[j]).norm() * track_.fps / view.height_px;
       if (std::isfinite(speed)) view.speed[j] = speed;
     }
@@ -148,21 +148,16 @@ class Viewer {
   std::vector<Eigen::Vector2d> previous_;
 };
 
-/// Writes a frame's detections: what lies outside the image is not found, what errors throw out of it lies at its edge.
-void Store(const FrameView& view, const FrameDetections& found, const std::array<int, 2>& image_size, std::size_t frame,
-           Detections& detections) {
+/// Writes a frame's detections: what lies outside the image is not found.
+void Store(const FrameView& view, const FrameDetections& found, std::size_t frame, Detections& detections) {
   const std::size_t count = view.pixels.size();
   for (std::size_t j = 0; j < count; ++j) {
     const std::size_t at = frame * count + j;
     std::uint8_t errors = found.errors[j];
-    const bool is_outside = !IsInside(view.pixels[j], image_size);
+    const bool is_outside = !IsInside(view.pixels[j], view.image_size);
     if (is_outside) errors = kOutsideImage;
     const bool is_missing = is_outside || (errors & kMissed) != 0;
-    const Eigen::Vector2d last_pixel(image_size[0] - 1.0, image_size[1] - 1.0);
-    // Exact points may lie within the last pixel; only errors are pushed back.
-    const bool is_thrown_out = !IsInside(found.pixels[j], image_size);
-    const Eigen::Vector2d pixel =
-        is_thrown_out ? found.pixels[j].cwiseMax(0.0).cwiseMin(last_pixel).eval() : found.pixels[j];
+    const Eigen::Vector2d& pixel = found.pixels[j];
     detections.keypoints[2 * at] = is_missing ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(pixel.x());
     detections.keypoints[2 * at + 1] =
         is_missing ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(pixel.y());
@@ -238,7 +233,7 @@ Detections Detect(const LandmarkTrack& track, const FilmingCamera& camera, const
     } else {
       errors.Next(view, found);
     }
-    Store(view, found, camera.image_size, t, detections);
+    Store(view, found, t, detections);
   }
   return detections;
 }

@@ -113,6 +113,7 @@ void ErrorProcess::Next(const FrameView& view, FrameDetections& found) {
     unswapped_error_[j] = (found.pixels[j] - view.pixels[j]).norm() / view.height_px;
   }
   AddSwaps(view, found);
+  KeepInImage(view, found);
   AddConfidence(view, found);
   AddMisses(view, found);
   is_first_ = false;
@@ -186,11 +187,19 @@ void ErrorProcess::AddSwaps(const FrameView& view, FrameDetections& found) {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const auto mirror = static_cast<std::size_t>(joints_[j].mirror);
     if (mirror <= j || !(body || joints_[j].is_leg)) continue;
+    if (!found.pixels[j].allFinite() || !found.pixels[mirror].allFinite()) continue;
     std::swap(found.pixels[j], found.pixels[mirror]);
     // The peak that is found keeps its certainty: swaps are not seen in it.
     std::swap(unswapped_error_[j], unswapped_error_[mirror]);
     found.errors[j] |= kSwapped;
     found.errors[mirror] |= kSwapped;
+  }
+}
+
+void ErrorProcess::KeepInImage(const FrameView& view, FrameDetections& found) {
+  const Eigen::Vector2d last(view.image_size[0] - 1.0, view.image_size[1] - 1.0);
+  for (Eigen::Vector2d& pixel : found.pixels) {
+    if (pixel.allFinite()) pixel = pixel.cwiseMax(0.0).cwiseMin(last);
   }
 }
 

@@ -1,6 +1,7 @@
 // The random processes behind a simulated detector's errors, one frame after another. Internal to simulate/.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -40,6 +41,7 @@ class Stretches {
 
 /// What the errors of a frame depend on. K joints.
 struct FrameView {
+  std::array<int, 2> image_size{0, 0};
   double seconds = 0.0;
   double height_px = 0.0;               ///< of the person in the image
   double facing = 0.0;                  ///< cosine between the body's front and the camera; -1 is a back view
@@ -83,6 +85,8 @@ class ErrorProcess {
   void AddOutliers(const FrameView& view, FrameDetections& found);
   void BeginOutlier(std::size_t joint);
   void AddSwaps(const FrameView& view, FrameDetections& found);
+  /// What errors throw out of the image lies at its edge.
+  static void KeepInImage(const FrameView& view, FrameDetections& found);
   void AddConfidence(const FrameView& view, FrameDetections& found);
   void AddMisses(const FrameView& view, FrameDetections& found);
 

@@ -1,8 +1,8 @@
 #include "canonpose/simulate/detector.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -54,8 +54,8 @@ struct Outcome {
   std::vector<float> confidence;
 };
 
-Outcome Run(const DetectorOptions& options, int frames = 2000, const std::string& kind = "studio",
-            std::uint64_t detector_seed = 1, double fps = 50.0) {
+Outcome RunDetector(const DetectorOptions& options, int frames = 2000, const std::string& kind = "studio",
+                    std::uint64_t detector_seed = 1, double fps = 50.0) {
   const LandmarkTrack track = WalkInCircle(frames, fps);
   const std::vector<Eigen::Vector3d> truth = JointPositions(track, Human36m());
   Outcome outcome;
@@ -176,31 +176,31 @@ TEST(Detect, EachStrengthAtZeroLeavesItsKindOutAndMoreMeansMore) {
     DetectorOptions options;
     if (kind.kind == kMissed) options.missed_joints = options.missed_frames = 0.0;
     options.*kind.strength = 1.0;
-    const double usual = Run(options, 6000).Share(kind.kind);
+    const double usual = RunDetector(options, 6000).Share(kind.kind);
     EXPECT_GT(usual, 0.002);
     options.*kind.strength = 2.0;
-    EXPECT_GT(Run(options, 6000).Share(kind.kind), kind.least_growth * usual);
+    EXPECT_GT(RunDetector(options, 6000).Share(kind.kind), kind.least_growth * usual);
     options.*kind.strength = 0.0;
-    EXPECT_EQ(Run(options).Share(kind.kind), 0.0);
+    EXPECT_EQ(RunDetector(options).Share(kind.kind), 0.0);
   }
 }
 
 TEST(Detect, AmplitudesGrowWithTheirStrengths) {
   DetectorOptions options = Nothing();
-  EXPECT_EQ(Run(options).Share(kOccluded), 0.0);
+  EXPECT_EQ(RunDetector(options).Share(kOccluded), 0.0);
   // Keypoints are floats: a rounding of 1e-4 px of a person of hundreds.
-  EXPECT_LT(Run(options).MeanSquaredError(), 1e-12);
+  EXPECT_LT(RunDetector(options).MeanSquaredError(), 1e-12);
   options.jitter = 1.0;
-  const double once = Run(options).MeanSquaredError();
+  const double once = RunDetector(options).MeanSquaredError();
   EXPECT_GT(once, 1e-5);
   options.noise = 2.0;
-  EXPECT_NEAR(Run(options).MeanSquaredError() / once, 4.0, 0.05);
+  EXPECT_NEAR(RunDetector(options).MeanSquaredError() / once, 4.0, 0.05);
   options = Nothing();
   options.occlusion = 1.0;
-  const double hidden = Run(options).MeanSquaredError();
+  const double hidden = RunDetector(options).MeanSquaredError();
   EXPECT_GT(hidden, 1e-5);
   options.occlusion = 2.0;
-  EXPECT_NEAR(Run(options).MeanSquaredError() / hidden, 4.0, 0.1);
+  EXPECT_NEAR(RunDetector(options).MeanSquaredError() / hidden, 4.0, 0.1);
 }
 
 TEST(Detect, ErrorsScaleWithThePersonsSizeInTheImage) {
@@ -224,7 +224,7 @@ TEST(Detect, ErrorsScaleWithThePersonsSizeInTheImage) {
 TEST(Detect, HiddenJointsStayWrongFromFrameToFrame) {
   DetectorOptions options = Nothing();
   options.occlusion = 1.0;
-  const Outcome outcome = Run(options, 4000);
+  const Outcome outcome = RunDetector(options, 4000);
   // Correlation of the error of a hidden joint with that of the same joint 0.1 s later, also hidden.
   double both = 0.0;
   double square = 0.0;
@@ -264,7 +264,7 @@ TEST(Detect, SwapsLegsMostlyInBackViews) {
 TEST(Detect, ConfidenceThatTellsErrorsPerfectlyFallsWithThem) {
   DetectorOptions options;
   options.confidence = 0.0;
-  const Outcome outcome = Run(options, 500);
+  const Outcome outcome = RunDetector(options, 500);
   std::vector<std::pair<double, float>> pairs;
   for (std::size_t i = 0; i < outcome.offsets.size(); ++i) {
     if (outcome.confidence[i] > 0.0F) pairs.emplace_back(outcome.offsets[i].norm(), outcome.confidence[i]);
@@ -276,8 +276,8 @@ TEST(Detect, ConfidenceThatTellsErrorsPerfectlyFallsWithThem) {
 }
 
 TEST(Detect, SharesOfErrorsDoNotDependOnTheFrameRate) {
-  const Outcome slow = Run(DetectorOptions{}, 6000, "studio", 1, 5.0);
-  const Outcome fast = Run(DetectorOptions{}, 12000, "studio", 1, 50.0);
+  const Outcome slow = RunDetector(DetectorOptions{}, 6000, "studio", 1, 5.0);
+  const Outcome fast = RunDetector(DetectorOptions{}, 12000, "studio", 1, 50.0);
   for (const ErrorKind kind : {kSwapped, kOutlier, kMissed}) {
     EXPECT_NEAR(slow.Share(kind) / fast.Share(kind), 1.0, 0.35) << static_cast<int>(kind);
   }
@@ -287,9 +287,9 @@ TEST(Detect, SystematicOffsetBelongsToTheDetector) {
   DetectorOptions options;
   options.noise = 0.0;
   options.joint_offset = 1.0;
-  const Outcome one = Run(options, 400, "studio", 1);
-  const Outcome again = Run(options, 400, "studio", 1);
-  const Outcome other = Run(options, 400, "studio", 2);
+  const Outcome one = RunDetector(options, 400, "studio", 1);
+  const Outcome again = RunDetector(options, 400, "studio", 1);
+  const Outcome other = RunDetector(options, 400, "studio", 2);
   EXPECT_EQ(one.offsets[3], again.offsets[3]);
   EXPECT_GT((one.offsets[1] - other.offsets[1]).norm(), 1e-3);
   const auto mean = [&](int joint) {
@@ -334,7 +334,9 @@ TEST(Detect, UnsynchronisedCamerasShowMovingJointsElsewhere) {
       const Eigen::Vector2d step =
           camera.cameras[0].Project(exact[at + 17 + j]) - camera.cameras[0].Project(exact[at + j]);
       const double late = error.dot(step) / step.squaredNorm();
-      if (t > 30) EXPECT_NEAR(late, late_frames, 0.1) << "the same for the whole clip";
+      if (t > 30) {
+        EXPECT_NEAR(late, late_frames, 0.1) << "the same for the whole clip";
+      }
       late_frames = late;
     }
   }

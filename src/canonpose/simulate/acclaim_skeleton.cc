@@ -48,6 +48,7 @@ class Parser {
     bones_.push_back(root);
     while (lines_.Next()) {
       if (lines_.words().front().front() == ':') {
+        if (is_in_block_) lines_.Fail(fmt::format("the end of bone {}", bone_.name), kExportAgain);
         section_ = LowerCase(lines_.words().front());
         sections_.insert(section_);
       } else if (section_.empty()) {

@@ -1,1 +1,220 @@
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/testing.h"
+#include "canonpose/simulate/mocap.h"
+
+namespace canonpose {
+namespace {
+
+using Eigen::Vector3d;
+using ::testing::AllOf;
+using testing::ErrorOf;
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+using testing::TestData;
+
+std::map<std::string, Vector3d> PositionsOf(const ArticulatedMotion& motion, int frame) {
+  std::vector<Vector3d> positions;
+  std::vector<Eigen::Quaterniond> rotations;
+  ForwardKinematics(motion, frame, positions, rotations);
+  std::map<std::string, Vector3d> by_name;
+  for (std::size_t j = 0; j < positions.size(); ++j) by_name[motion.joints[j].name] = positions[j];
+  return by_name;
+}
+
+void ExpectAt(const std::map<std::string, Vector3d>& positions, const std::string& joint, const Vector3d& expected) {
+  ASSERT_EQ(positions.count(joint), 1U) << joint;
+  EXPECT_LT((positions.at(joint) - expected).norm(), 1e-9) << joint << ": " << positions.at(joint).transpose();
+}
+
+std::string Replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t position = text.find(from);
+  EXPECT_NE(position, std::string::npos) << from;
+  return text.replace(position, from.size(), to);
+}
+
+std::string TinyAsf() { return ReadFile(TestData("mocap/tiny.asf")); }
+std::string TinyAmc() { return ReadFile(TestData("mocap/tiny.amc")); }
+
+ArticulatedMotion Read(const std::string& asf, const std::string& amc) {
+  const TemporaryFolder folder;
+  WriteFileAtomically(folder / "s.asf", asf);
+  WriteFileAtomically(folder / "s_1.amc", amc);
+  return ReadAcclaim(folder / "s_1.amc");
+}
+
+std::string AsfError(const std::string& from, const std::string& to) {
+  return ErrorOf(ExitCode::kBadInput, [&] { Read(Replaced(TinyAsf(), from, to), TinyAmc()); });
+}
+
+std::string AmcError(const std::string& from, const std::string& to) {
+  return ErrorOf(ExitCode::kBadInput, [&] { Read(TinyAsf(), Replaced(TinyAmc(), from, to)); });
+}
+
+TEST(Acclaim, PositionsAreThoseComputedByHand) {
+  const ArticulatedMotion motion = ReadAcclaim(TestData("mocap/tiny.amc"));
+  EXPECT_EQ(motion.name, "tiny");
+  EXPECT_EQ(motion.subject, "tiny");
+  EXPECT_EQ(motion.fps, 120.0);
+  ASSERT_EQ(motion.frame_count(), 3);
+  std::map<std::string, Vector3d> at = PositionsOf(motion, 0);
+  ASSERT_EQ(at.size(), 6U);
+  ExpectAt(at, "root", {100, -200, 1000});
+  ExpectAt(at, "thigh", {100, -200, 1000});
+  ExpectAt(at, "trunk", {100, -200, 1000});
+  ExpectAt(at, "shank", {100, -200, 600});
+  ExpectAt(at, "shank_end", {100, -200, 200});
+  ExpectAt(at, "trunk_end", {100, -200, 1500});
+  // The thigh's x is turned to y (up) by its axis, so that it spins about itself and takes the shank, bent to its side
+  // by rz, to the back.
+  at = PositionsOf(motion, 1);
+  ExpectAt(at, "shank", {100, -200, 600});
+  ExpectAt(at, "shank_end", {100, 200, 600});
+  // The body is turned about x first, about y then; so is the shank, about x first and z then.
+  at = PositionsOf(motion, 2);
+  ExpectAt(at, "trunk_end", {500, 0, 1000});
+  ExpectAt(at, "shank", {-400, 0, 1000});
+  ExpectAt(at, "shank_end", {-400, 0, 1400});
+}
+
+TEST(Acclaim, RestPoseIsTheSkeletonTurnedToZUp) {
+  const ArticulatedMotion motion = ReadAcclaim(TestData("mocap/tiny.amc"));
+  const std::vector<Vector3d> rest = RestPose(motion);
+  std::map<std::string, Vector3d> at;
+  for (std::size_t j = 0; j < rest.size(); ++j) at[motion.joints[j].name] = rest[j];
+  ExpectAt(at, "trunk_end", {0, 0, 500});
+  ExpectAt(at, "shank_end", {0, 0, -800});
+}
+
+TEST(Acclaim, OrdersUnitsAndLineEndingsMayDiffer) {
+  const std::map<std::string, Vector3d> expected = PositionsOf(ReadAcclaim(TestData("mocap/tiny.amc")), 2);
+  // Radians in both files.
+  std::string asf =
+      Replaced(Replaced(TinyAsf(), "angle deg", "angle rad"), "axis 0 0 90", "axis 0 0 1.5707963267948966");
+  std::string amc = Replaced(Replaced(TinyAmc(), ":DEGREES\n", ""), "0 10 0 90 90 0",
+                             "0 10 0 1.5707963267948966 1.5707963267948966 0");
+  amc = Replaced(amc, "shank 90 90", "shank 1.5707963267948966 1.5707963267948966");
+  for (const auto& [joint, position] : PositionsOf(Read(asf, amc), 2)) ExpectAt(expected, joint, position);
+  // The root's values in another order; other line endings, tabs and blanks.
+  asf = Replaced(TinyAsf(), "order TX TY TZ RX RY RZ", "order RX RY RZ TZ TY TX");
+  amc = Replaced(TinyAmc(), "root 0 10 0 90 90 0", "root\t90  90 0 0 10 +0.0e-015 \t# comment");
+  for (std::string* text : {&asf, &amc}) {
+    std::string windows;
+    for (const char c : *text) windows += c == '\n' ? std::string(" \r\n") : std::string(1, c);
+    *text = windows;
+  }
+  for (const auto& [joint, position] : PositionsOf(Read(asf, amc), 2)) ExpectAt(expected, joint, position);
+  // About y first and x then: another pose, (0, 1, 0) to (0, 0, 1) in the file's axes.
+  ExpectAt(PositionsOf(Read(Replaced(TinyAsf(), "axis XYZ", "axis YXZ"), TinyAmc()), 2), "trunk_end", {0, -500, 1000});
+}
+
+TEST(Acclaim, DamagedSkeletonsSayWhereAndWhat) {
+  for (const char* section : {":units", ":root", ":bonedata", ":hierarchy"}) {
+    EXPECT_THAT(AsfError(section, ":other"), AllOf(HasSubstr("s.asf"), HasSubstr(section))) << section;
+  }
+  EXPECT_THAT(AsfError("length 0.254", "length 0"), AllOf(HasSubstr("line 6"), HasSubstr("above 0")));
+  EXPECT_THAT(AsfError("angle deg", "angle gon"), AllOf(HasSubstr("line 7"), HasSubstr("'angle gon'")));
+  EXPECT_THAT(AsfError("length 4", "length four"), AllOf(HasSubstr("line 20"), HasSubstr("found 'four'")));
+  EXPECT_THAT(AsfError("length 4", "length -4"), AllOf(HasSubstr("line 20"), HasSubstr("0 or more")));
+  EXPECT_THAT(AsfError("length 4", "length nan"), AllOf(HasSubstr("line 20"), HasSubstr("finite")));
+  EXPECT_THAT(AsfError("length 4", ""), HasSubstr("the length of thigh"));
+  EXPECT_THAT(AsfError("direction 0 -1 0", "direction 0 0 0"), HasSubstr("the direction of thigh"));
+  EXPECT_THAT(AsfError("direction 0 -1 0", "direction 0 -1"),
+              AllOf(HasSubstr("3 values"), HasSubstr("found 2 values")));
+  EXPECT_THAT(AsfError("axis 0 0 90 XYZ", "axis 0 0 90 XXZ"), HasSubstr("found 'XXZ'"));
+  EXPECT_THAT(AsfError("dof rz rx", "dof rz rz"), HasSubstr("once"));
+  EXPECT_THAT(AsfError("dof rz rx", "dof rz rw"), HasSubstr("found 'rw'"));
+  EXPECT_THAT(AsfError("dof rz rx", "dof rz tx"), HasSubstr("rotations"));
+  EXPECT_THAT(AsfError("name trunk", "name thigh"), HasSubstr("'thigh' again"));
+  EXPECT_THAT(AsfError("root thigh trunk", "root thigh trunk tail"), AllOf(HasSubstr("line 44"), HasSubstr("'tail'")));
+  EXPECT_THAT(AsfError("root thigh trunk", "root thigh"), HasSubstr("a way from the root to trunk"));
+  EXPECT_THAT(AsfError("root thigh trunk", "root thigh trunk shank"), HasSubstr("found root and thigh"));
+  EXPECT_THAT(AsfError("thigh shank\n", "thigh root\n"), HasSubstr("circle"));
+  EXPECT_THAT(AsfError("root thigh trunk\n    thigh shank", "root trunk\n thigh shank\n shank thigh"),
+              HasSubstr("circle"));
+  EXPECT_THAT(AsfError("  end\n:hierarchy", ":hierarchy"), HasSubstr("the end of bone trunk"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [] { Read("", TinyAmc()); }), HasSubstr("an empty file"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [] { Read("{\"a\": 1}", TinyAmc()); }), HasSubstr("no Acclaim skeleton"));
+}
+
+TEST(Acclaim, EveryCutOfASkeletonIsFound) {
+  const std::string whole = TinyAsf();
+  const std::size_t last = whole.rfind("end");
+  for (std::size_t size = 0; size < last; size += 7) {
+    const std::string message = ErrorOf(ExitCode::kBadInput, [&] { Read(whole.substr(0, size), TinyAmc()); });
+    EXPECT_THAT(message, HasSubstr("s.asf")) << size;
+  }
+}
+
+TEST(Acclaim, DamagedMotionsSayWhereAndWhat) {
+  EXPECT_THAT(AmcError("thigh 90", "calf 90"),
+              AllOf(HasSubstr("line 10"), HasSubstr("another skeleton"), HasSubstr("'calf'")));
+  EXPECT_THAT(AmcError("shank 90 0", "shank 90"),
+              AllOf(HasSubstr("line 11"), HasSubstr("expected 2 values of shank in frame 2, found 1 value")));
+  EXPECT_THAT(AmcError("shank 90 0", "shank 90 0 1"), HasSubstr("found 3 values"));
+  EXPECT_THAT(AmcError("shank 90 0", "shank 90 O"),
+              AllOf(HasSubstr("line 11"), HasSubstr("expected a number, found 'O'")));
+  EXPECT_THAT(AmcError("shank 90 0", "shank 90 0,5"), HasSubstr("found '0,5'"));
+  for (const char* word : {"nan", "-inf", "1e999"}) {
+    EXPECT_THAT(AmcError("shank 90 0", fmt::format("shank 90 {}", word)), AllOf(HasSubstr("finite"), HasSubstr(word)));
+  }
+  EXPECT_THAT(AmcError("shank 90 0", "shank 90 1e20"), HasSubstr("1e20"));
+  EXPECT_THAT(AmcError("thigh 90\n", ""), AllOf(HasSubstr("line 11"), HasSubstr("bone thigh in frame 2")));
+  EXPECT_THAT(AmcError("thigh 90\n", "thigh 90\nthigh 90\n"), AllOf(HasSubstr("line 11"), HasSubstr("thigh again")));
+  EXPECT_THAT(AmcError("\n3\n", "\n4\n"), AllOf(HasSubstr("line 12"), HasSubstr("expected frame 3, found frame 4")));
+  EXPECT_THAT(AmcError("\n2\n", "\n99999999999999999999\n"), HasSubstr("the number of a frame"));
+  EXPECT_THAT(AmcError("\n1\n", "\n"), AllOf(HasSubstr("line 4"), HasSubstr("the number of a frame")));
+  EXPECT_THAT(AmcError("\n2\n", "\n:DEGREES\n2\n"), HasSubstr("line 8"));
+  EXPECT_THAT(AmcError("shank 90 90\n", ""),
+              AllOf(HasSubstr("bone shank in frame 3, found the end of the file"), HasSubstr("cut off")));
+  // A bone without degrees of freedom has no place in a frame.
+  EXPECT_THAT(AmcError("thigh 90", "trunk 90"), HasSubstr("expected 0 values of trunk"));
+  for (const char* empty : {"", "# nothing\n", ":DEGREES\n"}) {
+    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Read(TinyAsf(), empty); }), HasSubstr("no Acclaim motion"));
+  }
+}
+
+TEST(Acclaim, FindsTheSkeletonOfAClip) {
+  const TemporaryFolder folder;
+  WriteFileAtomically(folder / "7_1.amc", TinyAmc());
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadAcclaim(folder / "7_1.amc"); }),
+              AllOf(HasSubstr("7_1.amc"), HasSubstr(".asf"), HasSubstr("found none")));
+  WriteFileAtomically(folder / "someone.asf", TinyAsf());
+  EXPECT_EQ(ReadAcclaim(folder / "7_1.amc").subject, "someone");
+  WriteFileAtomically(folder / "other.asf", TinyAsf());
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadAcclaim(folder / "7_1.amc"); }), HasSubstr("2 of other names"));
+  WriteFileAtomically(folder / "7.ASF", TinyAsf());
+  EXPECT_EQ(ReadAcclaim(folder / "7_1.amc").subject, "7");
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadAcclaim(folder / "8_1.amc"); }), HasSubstr("check the path"));
+}
+
+TEST(MotionFiles, AreFoundInFoldersAndByThemselves) {
+  const TemporaryFolder folder;
+  const auto found = [&](const std::vector<std::string>& names) {
+    std::vector<std::filesystem::path> paths;
+    for (const std::string& name : names) paths.push_back(folder / name);
+    std::vector<std::string> clips;
+    for (const auto& path : FindMotionFiles(paths)) clips.push_back(path.lexically_relative(folder.path()).string());
+    return clips;
+  };
+  for (const char* name : {"a", "a/b", "empty"}) MakeDirectory(folder / name);
+  for (const char* name : {"a/2.amc", "a/b/1.BVH", "a/2.asf", "3.bvh", "a/notes.txt"})
+    WriteFileAtomically(folder / name, "");
+  EXPECT_EQ(found({"a", "3.bvh"}), (std::vector<std::string>{"3.bvh", "a/2.amc", "a/b/1.BVH"}));
+  EXPECT_EQ(found({"a/2.amc", "a"}), (std::vector<std::string>{"a/2.amc", "a/b/1.BVH"}));
+  for (const char* name : {"empty", "nowhere", "a/notes.txt"}) {
+    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { found({"a", name}); }), HasSubstr(name));
+  }
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadMotion(folder / "a/notes.txt"); }), HasSubstr("found .txt"));
+}
+
+}  // namespace
+}  // namespace canonpose

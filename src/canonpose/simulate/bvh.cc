@@ -191,7 +191,7 @@ class Parser {
     file_.values.reserve(static_cast<std::size_t>(std::min(frames, most)) * file_.row);
     while (lines_.Next()) {
       if (static_cast<double>(file_.frames) == frames) {
-        lines_.Fail(fmt::format("{} frames, as Frames: says", frames), kDamaged, "more rows");
+        lines_.Fail(fmt::format("as many rows as Frames: says, {}", frames), kDamaged, "more rows");
       }
       ++file_.frames;
       const std::size_t begin = file_.values.size();
@@ -203,8 +203,8 @@ class Parser {
       }
     }
     if (static_cast<double>(file_.frames) != frames) {
-      lines_.Fail(fmt::format("{} frames, as Frames: says", frames), "the file was cut off; export or copy it again",
-                  fmt::format("{} rows", file_.frames));
+      lines_.Fail(fmt::format("as many rows as Frames: says, {}", frames),
+                  "the file was cut off; export or copy it again", fmt::format("{} rows", file_.frames));
     }
   }
 

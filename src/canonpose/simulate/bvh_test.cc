@@ -1,1 +1,168 @@
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/testing.h"
+#include "canonpose/simulate/mocap.h"
+
+namespace canonpose {
+namespace {
+
+using Eigen::Vector3d;
+using ::testing::AllOf;
+using testing::ErrorOf;
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+using testing::TestData;
+
+std::string Tiny() { return ReadFile(TestData("mocap/tiny.bvh")); }
+
+std::string Replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t position = text.find(from);
+  EXPECT_NE(position, std::string::npos) << from;
+  return text.replace(position, from.size(), to);
+}
+
+ArticulatedMotion Read(const std::string& text, double unit_mm = 10.0) {
+  const TemporaryFolder folder;
+  WriteFileAtomically(folder / "clip.bvh", text);
+  return ReadBvh(folder / "clip.bvh", unit_mm);
+}
+
+std::string BvhError(const std::string& from, const std::string& to) {
+  return ErrorOf(ExitCode::kBadInput, [&] { Read(Replaced(Tiny(), from, to)); });
+}
+
+Vector3d At(const ArticulatedMotion& motion, int frame, const std::string& joint) {
+  std::vector<Vector3d> positions;
+  std::vector<Eigen::Quaterniond> rotations;
+  ForwardKinematics(motion, frame, positions, rotations);
+  for (std::size_t j = 0; j < positions.size(); ++j) {
+    if (motion.joints[j].name == joint) return positions[j];
+  }
+  ADD_FAILURE() << joint;
+  return Vector3d::Zero();
+}
+
+void ExpectHandComputed(const ArticulatedMotion& motion) {
+  ASSERT_EQ(motion.frame_count(), 2);
+  ASSERT_EQ(motion.joint_count(), 5);
+  const auto expect_at = [&](int frame, const char* joint, const Vector3d& expected) {
+    const Vector3d found = At(motion, frame, joint);
+    EXPECT_LT((found - expected).norm(), 1e-9) << joint << " in " << frame << ": " << found.transpose();
+  };
+  expect_at(0, "Hips", {0, 0, 1000});
+  expect_at(0, "Spine_end", {0, 0, 1900});
+  expect_at(0, "The Limb", {100, 0, 1000});
+  expect_at(0, "The Limb_end", {100, 0, 200});
+  // The root by Rx * Ry, the spine by Ry * Rz: the last that a file names is applied first.
+  expect_at(1, "Spine", {0, -500, 1000});
+  expect_at(1, "Spine_end", {400, -500, 1000});
+  expect_at(1, "The Limb", {0, 0, 1100});
+}
+
+TEST(Bvh, PositionsAreThoseComputedByHand) {
+  const ArticulatedMotion motion = ReadBvh(TestData("mocap/tiny.bvh"), 10.0);
+  EXPECT_EQ(motion.name, "tiny");
+  EXPECT_EQ(motion.subject, "mocap");
+  EXPECT_EQ(motion.fps, 120.0);
+  ExpectHandComputed(motion);
+}
+
+TEST(Bvh, LayoutOfTheTextIsNoMatter) {
+  std::string text = Tiny();
+  text = Replaced(text, "JOINT Spine\n\t{\n\t\tOFFSET", "JOINT   Spine {\n\t\tOFFSET");
+  text = Replaced(text, "Frames: 2", "frames:2");
+  text = Replaced(text, "Frame Time: ", "Frame\tTime:  ");
+  text = Replaced(text, "Yrotation Xrotation Zrotation", "YROTATION xrotation Zrotation");
+  std::string windows;
+  for (const char c : text) windows += c == '\n' ? std::string(" \t\r\n\r\n") : std::string(1, c);
+  ExpectHandComputed(Read(windows));
+}
+
+TEST(Bvh, PositionsOfJointsOtherThanTheRootMustBeTheirOffset) {
+  // The file's 10.00001 is an exporter's rounding; half a centimetre is none.
+  EXPECT_THAT(BvhError("10.00001", "10.5"),
+              AllOf(HasSubstr("frame 2"), HasSubstr("The Limb at its OFFSET, 10 along x"), HasSubstr("10.5")));
+}
+
+TEST(Bvh, TheUnitIsToldByTheStature) {
+  struct Case {
+    double scale;
+    double unit_mm;
+  };
+  // The tiny body is 170 units tall.
+  for (const Case& c :
+       {Case{0.01, 1000.0}, {0.1, 100.0}, {1.0, 10.0}, {10.0, 1.0}, {1.0 / 2.54, 25.4}, {0.45 / 2.54, 25.4 / 0.45}}) {
+    std::string text = Tiny();
+    text = Replaced(text, "OFFSET 0 50 0", fmt::format("OFFSET 0 {:.9f} 0", 50 * c.scale));
+    text = Replaced(text, "OFFSET 0 40 0", fmt::format("OFFSET 0 {:.9f} 0", 40 * c.scale));
+    text = Replaced(text, "OFFSET 0 -80 0", fmt::format("OFFSET 0 {:.9f} 0", -80 * c.scale));
+    text = Replaced(text, "OFFSET 10 0 0", fmt::format("OFFSET {:.9f} 0 0", 10 * c.scale));
+    text = Replaced(text, "0 0 0 10 0 0", fmt::format("0 0 0 {:.9f} 0 0", 10 * c.scale));
+    text = Replaced(text, "10.00001 0 0", fmt::format("{:.9f} 0 0", 10 * c.scale));
+    EXPECT_NEAR(At(Read(text, 0.0), 0, "Spine").z() - At(Read(text, 0.0), 0, "Hips").z(), 500.0, 1e-3) << c.unit_mm;
+  }
+  const TemporaryFolder folder;
+  WriteFileAtomically(folder / "clip.bvh", Replaced(Tiny(), "OFFSET 0 50 0", "OFFSET 0 300 0"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadBvh(folder / "clip.bvh"); }),
+              AllOf(HasSubstr("clip.bvh"), HasSubstr("420 units tall")));
+}
+
+TEST(Bvh, DamagedHierarchiesSayWhereAndWhat) {
+  EXPECT_THAT(BvhError("HIERARCHY", "hello"), AllOf(HasSubstr("line 1"), HasSubstr("no BVH file")));
+  EXPECT_THAT(BvhError("ROOT Hips", "ROOT"), AllOf(HasSubstr("line 2"), HasSubstr("a name")));
+  EXPECT_THAT(BvhError("JOINT The Limb", "JOINT Spine"), AllOf(HasSubstr("line 15"), HasSubstr("'Spine' again")));
+  EXPECT_THAT(BvhError("OFFSET 0 50 0", "OFFSET 0 50"), AllOf(HasSubstr("line 8"), HasSubstr("found 2 values")));
+  EXPECT_THAT(BvhError("OFFSET 0 50 0", "OFFSET 0 5O 0"), AllOf(HasSubstr("line 8"), HasSubstr("found '5O'")));
+  EXPECT_THAT(BvhError("OFFSET 0 50 0", ""), HasSubstr("the OFFSET of Spine"));
+  EXPECT_THAT(BvhError("\t\tCHANNELS 3 Yrotation Xrotation Zrotation\n", ""), HasSubstr("the CHANNELS of Spine"));
+  EXPECT_THAT(BvhError("CHANNELS 3", "CHANNELS 4"),
+              AllOf(HasSubstr("line 9"), HasSubstr("expected 4 channels of Spine, found 3 names")));
+  for (const char* count : {"-3", "7", "x", "99999999999"}) {
+    EXPECT_THAT(BvhError("CHANNELS 3", fmt::format("CHANNELS {}", count)), HasSubstr("from 0 to 6")) << count;
+  }
+  EXPECT_THAT(BvhError("3 Yrotation", "3 Wrotation"), AllOf(HasSubstr("line 9"), HasSubstr("found 'Wrotation'")));
+  EXPECT_THAT(BvhError("3 Yrotation", "3 Yscale"), HasSubstr("found 'Yscale'"));
+  EXPECT_THAT(BvhError("3 Yrotation", "3 Xrotation"), HasSubstr("once"));
+  EXPECT_THAT(BvhError("\n}\nMOTION", "\nMOTION"), AllOf(HasSubstr("MOTION"), HasSubstr("brace")));
+  EXPECT_THAT(BvhError("\n}\nMOTION", "\n}\n}\nMOTION"), HasSubstr("braces do not balance"));
+  EXPECT_THAT(BvhError("JOINT Spine\n\t{", "JOINT Spine\n\t"), HasSubstr("the opening brace of Spine"));
+  EXPECT_THAT(BvhError("MOTION\n", "}\nMOTION\n"), HasSubstr("braces do not balance"));
+}
+
+TEST(Bvh, DamagedMotionsSayWhereAndWhat) {
+  const std::string tiny = Tiny();
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Read(tiny.substr(0, tiny.find("MOTION"))); }),
+              AllOf(HasSubstr("expected MOTION, found the end of the file")));
+  EXPECT_THAT(BvhError("Frames: 2", "Frames: 3"), AllOf(HasSubstr("Frames: says, 3, found 2 rows")));
+  EXPECT_THAT(BvhError("Frames: 2", "Frames: 1"), AllOf(HasSubstr("line 29"), HasSubstr("more rows")));
+  // Such a count must not be believed before the rows are there.
+  EXPECT_THAT(BvhError("Frames: 2", "Frames: 900000000"), HasSubstr("found 2 rows"));
+  for (const char* count : {"-2", "0", "2.5", "two", ""}) {
+    EXPECT_THAT(BvhError("Frames: 2", fmt::format("Frames: {}", count)), HasSubstr("line 26")) << count;
+  }
+  for (const char* seconds : {"0", "-0.1", "nan", "fast"}) {
+    EXPECT_THAT(BvhError("0.0083333", seconds), HasSubstr("line 27")) << seconds;
+  }
+  EXPECT_THAT(
+      BvhError("0 100 0 0 90", "0 100 0 90"),
+      AllOf(HasSubstr("line 29"), HasSubstr("expected 15 values of frame 2, one for each channel, found 14 values")));
+  EXPECT_THAT(BvhError("0 100 0 0 90", "0 100 0 0 nan"), AllOf(HasSubstr("line 29"), HasSubstr("finite")));
+  EXPECT_THAT(BvhError("0 100 0 0 90", "0 100 0 0 9-0"), AllOf(HasSubstr("line 29"), HasSubstr("found '9-0'")));
+}
+
+TEST(Bvh, EveryCutIsFound) {
+  const std::string whole = Tiny();
+  // Up to the last row's last value, which may be shorter by a digit and still be a number.
+  for (std::size_t size = 0; size + 4 < whole.size(); size += 3) {
+    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Read(whole.substr(0, size)); }), HasSubstr("clip.bvh")) << size;
+  }
+}
+
+}  // namespace
+}  // namespace canonpose

@@ -9,6 +9,7 @@
 namespace canonpose {
 
 void AddImportCommand(CLI::App& app);
+void AddSimulateCommand(CLI::App& app);
 void AddTrainCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddLiftCommand(CLI::App& app);

@@ -46,6 +46,7 @@ int Main(int argc, char** argv) {
       "canonpose COMMAND --help tells more about a command.");
 
   AddImportCommand(app);
+  AddSimulateCommand(app);
   AddTrainCommand(app);
   AddEvaluateCommand(app);
   AddLiftCommand(app);

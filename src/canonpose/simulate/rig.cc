@@ -37,7 +37,7 @@ std::unique_ptr<Rig> MakeStudioRig(const RigOptions& options, Rng& rng) {
     const Eigen::Vector3d position = Around(azimuth, distance_mm, 1000.0 * rng.Uniform(1.3, 1.8));
     const Lens lens = MakeLens({1000, 1000}, options.distortion, rng);
     const double focal_px = kFocalPx * enlarge * rng.Uniform(0.99, 1.01);
-    cameras.push_back(MakeStatic(fmt::format("studio{}", cameras.size()), position, focal_px, lens, rng));
+    cameras.push_back(MakeStatic(fmt::format("cam{}", cameras.size() + 1), position, focal_px, lens, rng));
   }
   return std::make_unique<StaticRig>(std::move(cameras));
 }
@@ -67,7 +67,7 @@ std::unique_ptr<Rig> MakeRingRig(const RigOptions& options, Rng& rng) {
     const double distance_mm = 1000.0 * enlarge * rng.Uniform(level.near_m, level.far_m);
     const Lens lens = MakeLens({2048, 2048}, options.distortion, rng);
     const double focal_px = level.focal_px * enlarge * rng.Uniform(0.97, 1.03);
-    cameras.push_back(MakeStatic(fmt::format("ring{}", cameras.size()), Around(azimuth, distance_mm, height_mm),
+    cameras.push_back(MakeStatic(fmt::format("cam{}", cameras.size() + 1), Around(azimuth, distance_mm, height_mm),
                                  focal_px, lens, rng));
   }
   return std::make_unique<StaticRig>(std::move(cameras));

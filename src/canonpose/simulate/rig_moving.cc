@@ -99,7 +99,7 @@ class PtzRig : public Rig {
     std::vector<FilmingCamera> filming;
     for (const PtzCamera& camera : cameras_) {
       Rng own(rng.Bits());
-      filming.push_back({fmt::format("ptz{}", filming.size()), camera.lens.image_size, FilmOne(camera, track, own)});
+      filming.push_back({fmt::format("cam{}", filming.size() + 1), camera.lens.image_size, FilmOne(camera, track, own)});
     }
     return filming;
   }
@@ -170,7 +170,7 @@ class HandheldRig : public Rig {
     for (const HandheldCamera& camera : cameras_) {
       Rng own(rng.Bits());
       filming.push_back(
-          {fmt::format("handheld{}", filming.size()), camera.lens.image_size, FilmOne(camera, track, own)});
+          {fmt::format("cam{}", filming.size() + 1), camera.lens.image_size, FilmOne(camera, track, own)});
     }
     return filming;
   }

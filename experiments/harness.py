@@ -1,0 +1,90 @@
+"""What the experiments share: running the program, several trainings at a time, and tables."""
+import concurrent.futures
+import json
+import pathlib
+import re
+import statistics
+import subprocess
+
+PROJECT = pathlib.Path(__file__).resolve().parent.parent
+CANONPOSE = PROJECT / "build" / "canonpose"
+# A run counts as mirrored where the depth mirrors of most of its poses fit the truth better than they.
+MIRRORED_PERCENT = 50.0
+# The deep trap: depth exaggerated two- to threefold; good solutions lie within 10 % of the truth's depth.
+TRAP_DEPTH = 1.4
+
+
+def require_build():
+    if not CANONPOSE.exists():
+        raise SystemExit("build the project first: ./run-demo or ./run-tests")
+
+
+def run(*arguments):
+    """Runs canonpose and returns what it printed; its message ends the experiment where it fails."""
+    result = subprocess.run([str(CANONPOSE), *map(str, arguments)], capture_output=True, text=True)
+    if result.returncode != 0:
+        raise SystemExit(f"canonpose {' '.join(map(str, arguments))}\n{result.stderr}")
+    return result.stdout
+
+
+def evaluate(run_folder, data, *options):
+    report = run_folder / "evaluation.json"
+    run("evaluate", run_folder, data, "--json", report, *options)
+    return json.loads(report.read_text())
+
+
+def train_and_evaluate(run_folder, train_data, test_data, preset, seed, settings, evaluate_options=()):
+    """One training: its figures on the test data, the mirror decision and whether it is in the trap."""
+    run("train", *train_data, "-o", run_folder, "--preset", preset, "--seed", seed, "--threads", 1, *settings)
+    info = run("info", run_folder)
+    mirror = re.search(r"^mirror +([^(\n]+?)(?: \(slope ([-+.\d]+) \+- ([.\d]+).*)?$", info, re.MULTILINE)
+    report = evaluate(run_folder, test_data, *evaluate_options)
+    metrics = [json.loads(line) for line in (run_folder / "metrics.jsonl").read_text().splitlines()]
+    return {"preset": preset, "seed": seed, "decision": mirror[1], "slope": mirror[2] and float(mirror[2]),
+            "slope_error": mirror[3] and float(mirror[3]), "n_mpjpe": report["n_mpjpe_mm"], "p_mpjpe": report["p_mpjpe_mm"],
+            "pck": report["pck150_percent"], "cps": report["cps"], "mirrored_percent": report["mirrored_percent"],
+            "depth": report["depth_extent_ratio"], "validation": metrics[-1]["validation"], "loss": metrics[-1]["loss"],
+            "steps": metrics[-1]["step"]}
+
+
+def is_mirrored(result):
+    return result["mirrored_percent"] > MIRRORED_PERCENT
+
+
+def is_trapped(result):
+    return result["depth"] > TRAP_DEPTH
+
+
+def in_parallel(function, jobs, workers):
+    """Results of function(*job) in the order of jobs, each told when it is done."""
+    results = []
+    with concurrent.futures.ThreadPoolExecutor(workers) as pool:
+        for name, result in pool.map(lambda job: (job[0], function(*job)), jobs):
+            shown = {key: round(value, 3) if isinstance(value, float) else value for key, value in result.items()}
+            print(name, shown, flush=True)
+            results.append(result)
+    return results
+
+
+def spread(values, digits=1):
+    """Mean (lowest-highest)."""
+    values = list(values)
+    return f"{statistics.mean(values):.{digits}f} ({min(values):.{digits}f}-{max(values):.{digits}f})"
+
+
+def seeds_of(results, condition):
+    seeds = [str(result["seed"]) for result in results if condition(result)]
+    return ", ".join(seeds) if seeds else "none"
+
+
+def table(header, rows):
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    return "\n".join(lines + ["| " + " | ".join(map(str, row)) + " |" for row in rows])
+
+
+def write(output, text, results):
+    """The text as OUTPUT.md and every run's figures as OUTPUT.json, where an output is asked for."""
+    print("\n" + text)
+    if output:
+        output.with_suffix(".md").write_text(text)
+        output.with_suffix(".json").write_text(json.dumps(results, indent=1))

@@ -1,0 +1,177 @@
+// canonpose simulate [MOTION...] -o data.h5
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/error.h"
+#include "canonpose/base/log.h"
+#include "canonpose/base/progress.h"
+#include "canonpose/cli/commands.h"
+#include "canonpose/data/dataset.h"
+#include "canonpose/export/bvh.h"
+#include "canonpose/export/keypoint_files.h"
+#include "canonpose/simulate/simulator.h"
+#include "canonpose/simulate/statistics.h"
+
+namespace canonpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  SimulationOptions options;
+  fs::path output;
+  fs::path openpose;
+  fs::path alphapose;
+  fs::path bvh;
+  std::vector<std::string> activities;
+  bool describe = false;
+  int threads = 0;
+};
+
+/// The clip in the formats asked for beside the dataset.
+void WriteBeside(const Arguments& arguments, const Simulator& simulator, const SimulatedClip& clip) {
+  const int joints = simulator.layout_skeleton().joint_count();
+  for (std::size_t c = 0; c < clip.cameras.size(); ++c) {
+    CameraView detected;
+    detected.name = clip.cameras[c].name;
+    detected.keypoints = clip.detections[c].keypoints;
+    detected.confidence = clip.detections[c].confidence;
+    if (!arguments.openpose.empty()) {
+      MakeDirectory(arguments.openpose / clip.sequence.name);
+      WriteOpenPose(arguments.openpose / clip.sequence.name / detected.name, detected, joints);
+    }
+    if (!arguments.alphapose.empty()) {
+      WriteAlphaPose(arguments.alphapose / clip.sequence.name / (detected.name + ".json"), detected, joints);
+    }
+  }
+  if (!arguments.bvh.empty()) {
+    MakeDirectory(arguments.bvh);
+    WriteBvh(arguments.bvh / (clip.motion.name + ".bvh"), clip.motion);
+  }
+}
+
+/// Folders that hold an earlier simulation's files would mix two.
+void RequireNewFolders(const Arguments& arguments) {
+  for (const fs::path& folder : {arguments.openpose, arguments.alphapose, arguments.bvh}) {
+    if (!folder.empty() && fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder))) {
+      ThrowBadInput({folder.string(), "", "a folder that is empty or not there yet", "something",
+                     "remove it, or choose another place"});
+    }
+  }
+}
+
+SimulationOptions ResolveOptions(const Arguments& arguments) {
+  SimulationOptions options = arguments.options;
+  if (options.layout.empty() && (!arguments.openpose.empty() || !arguments.alphapose.empty())) {
+    options.layout = "body_25b";
+    LogInfo("the detector's layout is body_25b (--layout chooses another)");
+  }
+  for (const std::string& name : arguments.activities) options.activities.push_back(ParseActivity(name));
+  return options;
+}
+
+void RunSimulate(const Arguments& arguments) {
+  if (arguments.output.empty() && !arguments.describe) ThrowUsage("-o: say where the dataset goes, or --describe");
+  if (arguments.threads < 0) {
+    throw Error(ExitCode::kBadInput, fmt::format("--threads: expected 0 or more, found {}", arguments.threads));
+  }
+  const Simulator simulator(ResolveOptions(arguments));
+  RequireNewFolders(arguments);
+  std::optional<DatasetWriter> writer;
+  if (!arguments.output.empty()) writer.emplace(arguments.output, simulator.skeleton(), simulator.source());
+  DetectorStatistics statistics(simulator.layout());
+
+  Progress progress("clip", simulator.clip_count());
+  ClipStream clips(simulator, arguments.threads);
+  long frames = 0;
+  long done = 0;
+  while (const std::optional<SimulatedClip> clip = clips.Next()) {
+    if (writer) writer->Add(clip->sequence);
+    WriteBeside(arguments, simulator, *clip);
+    for (std::size_t c = 0; arguments.describe && c < clip->cameras.size(); ++c) {
+      statistics.Add(clip->track, clip->cameras[c], clip->detections[c]);
+    }
+    frames += clip->sequence.frame_count;
+    progress.Update(++done, clip->sequence.name);
+  }
+  if (writer) {
+    writer->Commit();
+    LogInfo("{}: {} clips, {} frames", arguments.output.string(), simulator.clip_count(), frames);
+  }
+  if (arguments.describe) fmt::print("{}", statistics.Describe());
+}
+
+void AddMotionOptions(CLI::App& command, Arguments& arguments) {
+  SimulationOptions& options = arguments.options;
+  command.add_option("motion", options.motion_files,
+                     "Motion capture: .amc (with its .asf beside it) and .bvh files, or folders of them. Without any, "
+                     "procedural people move");
+  command.add_option("--subjects", options.subjects, "Procedural people (default 4)");
+  command.add_option("--clips", options.clips, "Clips of each of them (default: one of each activity)");
+  command.add_option("--seconds", options.seconds, "Length of each clip (default 10)");
+  command
+      .add_option("--activities", arguments.activities,
+                  "What they do in turn: gait, run, jump, squat, sit, reach, throw, gesture, dance, ski (default: all "
+                  "but ski)")
+      ->delimiter(',');
+  command.add_option("--fps", options.fps, "Frames a second (default 50, or a file's own; files are only thinned out)");
+}
+
+void AddRigOptions(CLI::App& command, RigOptions& rig) {
+  command.add_option("--rig", rig.kind,
+                     "studio: 4 static cameras; ring: 8 to 14 all around; ptz: 6 that pan, tilt and zoom from afar; "
+                     "handheld: 4; or a JSON file (default studio)");
+  command.add_option("--cameras", rig.cameras, "How many (default: the rig's own number)");
+  command.add_option("--spread", rig.spread, "even, opposite, quarter or clustered (default even)");
+  command.add_option("--distance", rig.distance_m, "Metres from the subject (default: the rig's own)");
+  command.add_option("--distortion", rig.distortion, "Of the lenses: 0 none, 1 a usual sports camera's (default 0)");
+}
+
+void AddDetectorOptions(CLI::App& command, Arguments& arguments) {
+  DetectorOptions& detector = arguments.options.detector;
+  command.add_option("--noise", detector.noise, "All of the detector's errors: 0 exact, 1 a modern one (default 1)");
+  command.add_option("--joint-offset", detector.joint_offset,
+                     "Systematic offset of the detector's joints: 1 a usual one (default 0)");
+  command.add_option("--sync-jitter", detector.sync_jitter, "Frames that cameras are out of step by (default 0)");
+  const auto part = [&](const char* option, double& strength, const char* what) {
+    command.add_option(option, strength, fmt::format("{}: 1 usual, 0 none (default 1)", what));
+  };
+  part("--jitter", detector.jitter, "Noise of every joint");
+  part("--occlusion", detector.occlusion, "Errors of joints that the body hides");
+  part("--swaps", detector.swaps, "Left and right exchanged");
+  part("--outliers", detector.outliers, "Joints found on a wrong limb or in the background");
+  part("--missed-joints", detector.missed_joints, "Joints not found");
+  part("--missed-frames", detector.missed_frames, "Frames without the person");
+  part("--confidence", detector.confidence, "Noise of confidences, which tell errors the worse");
+  command.add_option("--skeleton", arguments.options.skeleton, "Of the dataset (default h36m-17)");
+  command.add_option("--layout", arguments.options.layout,
+                     "The detector's keypoints, mapped onto the skeleton as import does (default: the skeleton's own)");
+}
+
+}  // namespace
+
+void AddSimulateCommand(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand(
+      "simulate", "Make a dataset with known truth: motion, virtual cameras and a detector's errors");
+  command->add_option("-o,--output", arguments->output, "Where to write the dataset");
+  AddMotionOptions(*command, *arguments);
+  AddRigOptions(*command, arguments->options.rig);
+  AddDetectorOptions(*command, *arguments);
+  command->add_option("--openpose", arguments->openpose, "Folder for the same keypoints as OpenPose writes them");
+  command->add_option("--alphapose", arguments->alphapose, "Folder for the same keypoints as AlphaPose writes them");
+  command->add_option("--bvh", arguments->bvh, "Folder for the motion as BVH files");
+  command->add_flag("--describe", arguments->describe, "Print what the detector's errors are like");
+  command->add_option("--threads", arguments->threads, "Number of threads (default: all)");
+  command->add_option("--seed", arguments->options.seed,
+                      "Of people, motion, cameras and errors; another seed is another capture (default 0)");
+  command->callback([arguments] { RunSimulate(*arguments); });
+}
+
+}  // namespace canonpose

@@ -1,0 +1,281 @@
+#include "canonpose/simulate/simulator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "canonpose/base/error.h"
+#include "canonpose/base/hash.h"
+#include "canonpose/base/random.h"
+#include "canonpose/simulate/mocap.h"
+
+namespace canonpose {
+namespace {
+
+constexpr double kProceduralFps = 50.0;
+/// A clip is made in one piece in memory (about 5 kB a frame and camera).
+constexpr int kMostFramesOfAClip = 100000;
+
+/// What a generator is for, as its first stream number.
+enum Stream : std::uint64_t { kRigStream = 1, kPlacement = 2, kFilming = 3, kDetection = 4, kPerson = 5, kMotion = 6 };
+
+std::uint64_t NumberOf(const std::string& name) {
+  Fingerprint fingerprint;
+  fingerprint.Add(name);
+  return fingerprint.value();
+}
+
+void RequireNumber(bool ok, const char* option, const char* expected, double found) {
+  if (!ok) {
+    throw Error(ExitCode::kBadInput, fmt::format("{}: expected {}, found {:g}", option, expected, found));
+  }
+}
+
+const Skeleton& RequireSkeletonNamed(const std::string& name, const char* option) {
+  const Skeleton* skeleton = FindSkeleton(name);
+  if (skeleton == nullptr) {
+    ThrowUsage("{}: expected one of {}, found \"{}\"", option, BuiltinSkeletonNames(), name);
+  }
+  return *skeleton;
+}
+
+/// The same for clips that the same cameras film, also in other files.
+std::string CaptureName(const std::string& subject, const RigOptions& rig, std::uint64_t seed) {
+  const std::string recipe =
+      fmt::format("{} {} {} {} {} {}", rig.kind, rig.cameras, rig.spread, rig.distance_m, rig.distortion, seed);
+  return fmt::format("{}-{:016x}", subject, NumberOf(recipe));
+}
+
+/// A dataset's sequences are named after the files.
+void RequireDifferentNames(const std::vector<std::filesystem::path>& files) {
+  std::map<std::string, std::filesystem::path> by_name;
+  for (const std::filesystem::path& file : files) {
+    const auto [earlier, is_new] = by_name.try_emplace(file.stem().string(), file);
+    if (is_new) continue;
+    ThrowBadInput({file.string(), "", "files of different names",
+                   fmt::format("one called like {}", earlier->second.string()),
+                   "rename one, or simulate them one after the other"});
+  }
+}
+
+/// Keeps the frames nearest to the times of a lower frame rate.
+void ThinOut(ArticulatedMotion& motion, double fps) {
+  if (fps <= 0.0 || fps >= motion.fps) return;
+  const auto joints = static_cast<std::size_t>(motion.joint_count());
+  const auto frames = static_cast<std::size_t>(motion.frame_count());
+  ArticulatedMotion thin = motion;
+  thin.fps = fps;
+  thin.root_position_mm.clear();
+  thin.parent_from_joint.clear();
+  for (std::size_t n = 0;; ++n) {
+    const auto t = static_cast<std::size_t>(std::lround(static_cast<double>(n) * motion.fps / fps));
+    if (t >= frames) break;
+    thin.root_position_mm.push_back(motion.root_position_mm[t]);
+    const auto first = motion.parent_from_joint.begin() + static_cast<std::ptrdiff_t>(t * joints);
+    thin.parent_from_joint.insert(thin.parent_from_joint.end(), first, first + static_cast<std::ptrdiff_t>(joints));
+  }
+  motion = std::move(thin);
+}
+
+/// Turns the track by a random heading and puts the middle of its path near the origin, its height kept.
+void Place(LandmarkTrack& track, Rng rng) {
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector2d high = -low;
+  for (int t = 0; t < track.frame_count(); ++t) {
+    low = low.cwiseMin(track.At(t, kHip).head<2>());
+    high = high.cwiseMax(track.At(t, kHip).head<2>());
+  }
+  constexpr double kOffsetMm = 400.0;
+  const Eigen::Vector2d middle = (low + high) / 2;
+  const Eigen::Rotation2Dd heading(rng.Uniform(0.0, 2.0 * M_PI));
+  const Eigen::Vector2d offset(rng.Uniform(-kOffsetMm, kOffsetMm), rng.Uniform(-kOffsetMm, kOffsetMm));
+  for (Eigen::Vector3d& point : track.positions_mm) {
+    point.head<2>() = heading * (point.head<2>() - middle) + offset;
+  }
+}
+
+/// The frames of a joint array (T, K, 3) in a camera's frame, mapped joint by joint as keypoints are: float32 (T, J,
+/// 3).
+std::vector<float> TruthInCamera(const std::vector<Eigen::Vector3d>& joints_mm, std::size_t joint_count,
+                                 const FilmingCamera& camera, const std::optional<LayoutMapping>& mapping) {
+  std::vector<float> truth;
+  const std::size_t frames = joints_mm.size() / joint_count;
+  const std::size_t targets = mapping ? mapping->joints.size() : joint_count;
+  truth.reserve(frames * targets * 3);
+  for (std::size_t t = 0; t < frames; ++t) {
+    const Camera& at = camera.cameras.size() == 1 ? camera.cameras.front() : camera.cameras[t];
+    for (std::size_t j = 0; j < targets; ++j) {
+      Eigen::Vector3d point = joints_mm[t * joint_count + j];
+      if (mapping) {
+        point.setZero();
+        for (const int source : mapping->joints[j].sources) {
+          point += joints_mm[t * joint_count + static_cast<std::size_t>(source)];
+        }
+        point /= static_cast<double>(mapping->joints[j].sources.size());
+      }
+      const Eigen::Vector3d in_camera = at.InCamera(point);
+      for (int c = 0; c < 3; ++c) truth.push_back(static_cast<float>(in_camera[c]));
+    }
+  }
+  return truth;
+}
+
+}  // namespace
+
+void SimulationOptions::Validate() const {
+  RequireNumber(subjects >= 1 && subjects <= 100000, "--subjects", "1 or more", subjects);
+  RequireNumber(clips >= 0 && clips <= 1000000, "--clips", "1 or more", clips);
+  RequireNumber(seconds > 0.0 && std::isfinite(seconds), "--seconds", "more than 0", seconds);
+  RequireNumber(fps >= 0.0 && fps <= 1000.0, "--fps", "0 to 1000 frames a second", fps);
+  const double frames = seconds * (fps > 0.0 ? fps : kProceduralFps);
+  RequireNumber(frames <= kMostFramesOfAClip, "--seconds", "a clip of at most 100000 frames; make more clips instead",
+                seconds);
+  RequireNumber(frames >= 2.0, "--seconds", "a clip of at least two frames", seconds);
+  RequireSkeletonNamed(skeleton, "--skeleton");
+  if (!layout.empty()) RequireSkeletonNamed(layout, "--layout");
+  rig.Validate();
+  detector.Validate();
+}
+
+Simulator::Simulator(SimulationOptions options) : options_(std::move(options)) {
+  options_.Validate();
+  skeleton_ = RequireSkeletonNamed(options_.skeleton, "--skeleton");
+  const std::string& layout = options_.layout.empty() ? options_.skeleton : options_.layout;
+  layout_ = MakeDetectorLayout(RequireSkeletonNamed(layout, "--layout"));
+  if (!layout_skeleton().SameJoints(skeleton_)) skeleton_from_layout_ = MapLayout(layout_skeleton(), skeleton_);
+  // A rig that cannot be used is told before any motion is read.
+  MakeRig(options_.rig, Rng(options_.seed, {kRigStream}));
+  if (options_.motion_files.empty()) {
+    ListProceduralClips();
+  } else {
+    const std::vector<std::filesystem::path> files = FindMotionFiles(options_.motion_files);
+    RequireDifferentNames(files);
+    for (const std::filesystem::path& file : files) clips_.push_back({file, {}});
+  }
+}
+
+void Simulator::ListProceduralClips() {
+  std::vector<Activity> activities = options_.activities;
+  if (activities.empty()) {
+    activities = AllActivities();
+    std::erase(activities, Activity::kSki);
+  }
+  const int clips = options_.clips > 0 ? options_.clips : static_cast<int>(activities.size());
+  const double fps = options_.fps > 0.0 ? options_.fps : kProceduralFps;
+  for (int s = 0; s < options_.subjects; ++s) {
+    const auto subject = static_cast<std::uint64_t>(s);
+    for (int c = 0; c < clips; ++c) {
+      ProceduralClip clip;
+      clip.activity = activities[static_cast<std::size_t>(c) % activities.size()];
+      clip.subject_seed = Rng(options_.seed, {kPerson, subject}).Bits();
+      clip.motion_seed = Rng(options_.seed, {kMotion, subject, static_cast<std::uint64_t>(c)}).Bits();
+      clip.fps = fps;
+      clip.frames = static_cast<int>(std::lround(options_.seconds * fps));
+      clip.subject = fmt::format("person{}-{}", options_.seed, s + 1);
+      clip.name = fmt::format("{}-{:03}-{}", clip.subject, c + 1, ActivityName(clip.activity));
+      clips_.push_back({{}, clip});
+    }
+  }
+}
+
+DatasetSource Simulator::source() const {
+  DatasetSource source;
+  source.format = "simulated";
+  if (skeleton_from_layout_) {
+    source.layout = layout_skeleton().name;
+    source.mapping = skeleton_from_layout_->DescribeAll();
+  }
+  return source;
+}
+
+ArticulatedMotion Simulator::LoadMotion(const ClipSource& source) const {
+  if (source.file.empty()) return MakeProceduralMotion(source.procedural);
+  ArticulatedMotion motion = ReadMotion(source.file);
+  ThinOut(motion, options_.fps);
+  return motion;
+}
+
+CameraView Simulator::MakeView(const SimulatedClip& clip, const std::vector<Eigen::Vector3d>& joints_mm,
+                               std::size_t camera) const {
+  const FilmingCamera& filming = clip.cameras[camera];
+  const Detections& detections = clip.detections[camera];
+  CameraView view;
+  view.name = filming.name;
+  view.image_size = filming.image_size;
+  view.calibration = filming.cameras;
+  const auto joints = static_cast<std::size_t>(layout_skeleton().joint_count());
+  view.truth = TruthInCamera(joints_mm, joints, filming, skeleton_from_layout_);
+  if (!skeleton_from_layout_) {
+    view.keypoints = detections.keypoints;
+    view.confidence = detections.confidence;
+    return view;
+  }
+  const std::size_t targets = skeleton_.joints.size();
+  const std::size_t frames = detections.confidence.size() / joints;
+  view.keypoints.resize(frames * targets * 2);
+  view.confidence.resize(frames * targets);
+  for (std::size_t t = 0; t < frames; ++t) {
+    ApplyMapping(*skeleton_from_layout_, &detections.keypoints[2 * t * joints], &detections.confidence[t * joints],
+                 &view.keypoints[2 * t * targets], &view.confidence[t * targets]);
+  }
+  return view;
+}
+
+SimulatedClip Simulator::Make(int index) const {
+  const ClipSource& source = clips_[static_cast<std::size_t>(index)];
+  SimulatedClip clip;
+  clip.motion = LoadMotion(source);
+  clip.track = MakeLandmarkTrack(clip.motion, source.file.empty() ? clip.motion.name : source.file.string());
+  // By name, so that a clip is the same whatever else is simulated beside it, and held-out clips of a subject are
+  // filmed by the same cameras.
+  const std::uint64_t subject = NumberOf(clip.motion.subject);
+  const std::uint64_t name = NumberOf(clip.motion.name);
+  Place(clip.track, Rng(options_.seed, {kPlacement, name}));
+  const std::unique_ptr<Rig> rig = MakeRig(options_.rig, Rng(options_.seed, {kRigStream, subject}));
+  clip.cameras = rig->Film(clip.track, Rng(options_.seed, {kFilming, name}));
+  for (std::size_t c = 0; c < clip.cameras.size(); ++c) {
+    clip.detections.push_back(Detect(clip.track, clip.cameras[c], layout_, options_.detector, options_.seed,
+                                     Rng(options_.seed, {kDetection, name, c})));
+  }
+
+  clip.sequence.name = clip.motion.name;
+  clip.sequence.subject = clip.motion.subject;
+  clip.sequence.fps = clip.motion.fps;
+  clip.sequence.static_cameras = rig->is_static();
+  clip.sequence.capture = CaptureName(clip.motion.subject, options_.rig, options_.seed);
+  clip.sequence.frame_count = clip.track.frame_count();
+  const std::vector<Eigen::Vector3d> joints_mm = JointPositions(clip.track, layout_);
+  for (std::size_t c = 0; c < clip.cameras.size(); ++c) {
+    clip.sequence.cameras.push_back(MakeView(clip, joints_mm, c));
+  }
+  return clip;
+}
+
+ClipStream::ClipStream(const Simulator& simulator, int threads)
+    : simulator_(simulator),
+      ahead_(threads > 0 ? static_cast<std::size_t>(threads) : std::max(1U, std::thread::hardware_concurrency())) {
+  Refill();
+}
+
+void ClipStream::Refill() {
+  while (pending_.size() < ahead_ && started_ < simulator_.clip_count()) {
+    pending_.push_back(
+        std::async(std::launch::async, [&simulator = simulator_, clip = started_] { return simulator.Make(clip); }));
+    ++started_;
+  }
+}
+
+std::optional<SimulatedClip> ClipStream::Next() {
+  if (pending_.empty()) return std::nullopt;
+  SimulatedClip clip = pending_.front().get();
+  pending_.pop_front();
+  Refill();
+  return clip;
+}
+
+}  // namespace canonpose

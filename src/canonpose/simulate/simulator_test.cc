@@ -1,0 +1,173 @@
+#include "canonpose/simulate/simulator.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "canonpose/base/testing.h"
+#include "canonpose/geometry/camera.h"
+
+namespace canonpose {
+namespace {
+
+using testing::ErrorOf;
+using ::testing::HasSubstr;
+
+SimulationOptions Small(const std::string& rig = "studio") {
+  SimulationOptions options;
+  options.activities = {Activity::kGait, Activity::kDance};
+  options.subjects = 2;
+  options.seconds = 1.0;
+  options.fps = 20.0;
+  options.rig.kind = rig;
+  options.seed = 5;
+  return options;
+}
+
+std::vector<SimulatedClip> AllClips(const Simulator& simulator, int threads) {
+  std::vector<SimulatedClip> clips;
+  ClipStream stream(simulator, threads);
+  while (std::optional<SimulatedClip> clip = stream.Next()) clips.push_back(std::move(*clip));
+  return clips;
+}
+
+/// NaN equals NaN.
+bool SameValues(const std::vector<float>& a, const std::vector<float>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); });
+}
+
+class NoiseFree : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(NoiseFree, KeypointsAreTheProjectionsOfTheTruth) {
+  SimulationOptions options = Small(GetParam());
+  options.detector.noise = 0.0;
+  options.rig.distortion = 1.0;
+  const Simulator simulator(options);
+  int seen = 0;
+  for (const SimulatedClip& clip : AllClips(simulator, 2)) {
+    for (const CameraView& view : clip.sequence.cameras) {
+      for (std::size_t i = 0; i < view.confidence.size(); ++i) {
+        const int frame = static_cast<int>(i) / simulator.skeleton().joint_count();
+        if (view.confidence[i] == 0.0F) continue;
+        ++seen;
+        ASSERT_EQ(view.confidence[i], 1.0F);
+        // The truth is in the camera's frame already.
+        Camera camera = view.CalibrationAt(frame);
+        camera.camera_from_world_rotation.setIdentity();
+        camera.camera_from_world_translation_mm.setZero();
+        const Eigen::Vector2d pixel = camera.Project({view.truth[3 * i], view.truth[3 * i + 1], view.truth[3 * i + 2]});
+        ASSERT_NEAR(view.keypoints[2 * i], pixel.x(), 2e-3) << view.name;
+        ASSERT_NEAR(view.keypoints[2 * i + 1], pixel.y(), 2e-3) << view.name;
+      }
+    }
+  }
+  EXPECT_GT(seen, 4 * 20 * 4 * 17 * 9 / 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Rigs, NoiseFree, ::testing::Values("studio", "ring", "ptz", "handheld"));
+
+TEST(Simulator, SameSeedSameBitsWhateverTheThreads) {
+  const std::vector<SimulatedClip> one = AllClips(Simulator(Small()), 1);
+  const std::vector<SimulatedClip> three = AllClips(Simulator(Small()), 3);
+  ASSERT_EQ(one.size(), 4U);
+  ASSERT_EQ(three.size(), 4U);
+  for (std::size_t n = 0; n < one.size(); ++n) {
+    EXPECT_EQ(one[n].sequence.name, three[n].sequence.name);
+    for (std::size_t c = 0; c < one[n].sequence.cameras.size(); ++c) {
+      EXPECT_TRUE(SameValues(one[n].sequence.cameras[c].keypoints, three[n].sequence.cameras[c].keypoints));
+      EXPECT_TRUE(SameValues(one[n].sequence.cameras[c].truth, three[n].sequence.cameras[c].truth));
+    }
+  }
+  SimulationOptions other = Small();
+  other.seed = 6;
+  EXPECT_FALSE(SameValues(Simulator(other).Make(0).sequence.cameras[0].truth, one[0].sequence.cameras[0].truth));
+}
+
+TEST(Simulator, AClipDoesNotDependOnThoseBesideIt) {
+  SimulationOptions more = Small();
+  more.subjects = 3;
+  EXPECT_TRUE(SameValues(Simulator(more).Make(3).sequence.cameras[1].keypoints,
+                         Simulator(Small()).Make(3).sequence.cameras[1].keypoints));
+}
+
+TEST(Simulator, ClipsOfASubjectShareTheirCamerasOthersDoNot) {
+  const std::vector<SimulatedClip> clips = AllClips(Simulator(Small()), 2);
+  const auto camera = [&](int clip) { return clips[static_cast<std::size_t>(clip)].sequence.cameras[0].calibration; };
+  EXPECT_EQ(clips[0].sequence.capture, clips[1].sequence.capture);
+  EXPECT_NE(clips[0].sequence.capture, clips[2].sequence.capture);
+  EXPECT_TRUE(clips[0].sequence.static_cameras);
+  EXPECT_EQ(camera(0)[0].camera_from_world_rotation, camera(1)[0].camera_from_world_rotation);
+  EXPECT_NE(camera(0)[0].camera_from_world_rotation, camera(2)[0].camera_from_world_rotation);
+  // Cameras that differ are another capture, also in another file.
+  SimulationOptions farther = Small();
+  farther.rig.distance_m = 7.0;
+  EXPECT_NE(Simulator(farther).Make(0).sequence.capture, clips[0].sequence.capture);
+  EXPECT_FALSE(Simulator(Small("ptz")).Make(0).sequence.static_cameras);
+}
+
+TEST(Simulator, TheSubjectStandsUprightAndFacesEveryWay) {
+  SimulationOptions options = Small();
+  options.activities = {Activity::kGait};
+  options.subjects = 12;
+  options.detector.noise = 0.0;
+  const Skeleton& skeleton = *FindSkeleton("h36m-17");
+  const auto at = [&](const char* joint) { return static_cast<std::size_t>(skeleton.Find(joint).value()); };
+  int facing = 0;
+  int away = 0;
+  for (const SimulatedClip& clip : AllClips(Simulator(options), 2)) {
+    const float* truth = clip.sequence.cameras[0].truth.data();
+    EXPECT_LT(truth[3 * at("Head") + 1], truth[3 * at("Hip") + 1]) << "y points down";
+    EXPECT_LT(truth[3 * at("Hip") + 1], truth[3 * at("LFoot") + 1]);
+    // Whoever faces the camera has the left hip on the right of the picture and the nose in front of the thorax.
+    const bool left_is_right = truth[3 * at("LHip")] > truth[3 * at("RHip")];
+    const bool nose_is_near = truth[3 * at("Nose") + 2] < truth[3 * at("Thorax") + 2];
+    if (left_is_right && nose_is_near) ++facing;
+    if (!left_is_right && !nose_is_near) ++away;
+  }
+  EXPECT_GT(facing, 1);
+  EXPECT_GT(away, 1);
+  EXPECT_GT(facing + away, 8);
+}
+
+TEST(Simulator, ALayoutIsMappedAsImportDoes) {
+  SimulationOptions options = Small();
+  options.layout = "body_25b";
+  options.detector.noise = 0.0;
+  const Simulator simulator(options);
+  EXPECT_EQ(simulator.source().layout, "body_25b");
+  const SimulatedClip clip = simulator.Make(0);
+  const CameraView& view = clip.sequence.cameras[0];
+  const Skeleton& layout = *FindSkeleton("body_25b");
+  const auto hip = static_cast<std::size_t>(simulator.skeleton().Find("Hip").value());
+  const auto left = static_cast<std::size_t>(layout.Find("LHip").value());
+  const auto right = static_cast<std::size_t>(layout.Find("RHip").value());
+  EXPECT_NEAR(view.keypoints[2 * hip],
+              (clip.detections[0].keypoints[2 * left] + clip.detections[0].keypoints[2 * right]) / 2, 1e-3);
+  // A joint made from others lies between them, and the truth with it.
+  const auto thigh = static_cast<std::size_t>(simulator.skeleton().Find("LHip").value());
+  const auto other = static_cast<std::size_t>(simulator.skeleton().Find("RHip").value());
+  EXPECT_NEAR(view.truth[3 * hip], (view.truth[3 * thigh] + view.truth[3 * other]) / 2, 1e-2);
+}
+
+TEST(Simulator, NumbersOutOfRangeAreBadInput) {
+  const auto error = [](auto change) {
+    SimulationOptions options = Small();
+    change(options);
+    return ErrorOf(ExitCode::kBadInput, [&] { const Simulator simulator(options); });
+  };
+  EXPECT_THAT(error([](SimulationOptions& o) { o.subjects = -1; }), HasSubstr("--subjects"));
+  EXPECT_THAT(error([](SimulationOptions& o) { o.clips = -3; }), HasSubstr("--clips"));
+  EXPECT_THAT(error([](SimulationOptions& o) { o.seconds = -1; }), HasSubstr("--seconds"));
+  EXPECT_THAT(error([](SimulationOptions& o) { o.seconds = 1e9; }), HasSubstr("more clips"));
+  EXPECT_THAT(error([](SimulationOptions& o) { o.fps = -1; }), HasSubstr("--fps"));
+  EXPECT_THAT(error([](SimulationOptions& o) { o.rig.cameras = -4; }), HasSubstr("cameras"));
+  EXPECT_THAT(error([](SimulationOptions& o) { o.motion_files = {"/nowhere/at/all.bvh"}; }), HasSubstr("nowhere"));
+  SimulationOptions options = Small();
+  options.skeleton = "spider";
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { const Simulator simulator(options); }), HasSubstr("h36m-17"));
+}
+
+}  // namespace
+}  // namespace canonpose

@@ -1,3 +1,5 @@
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -21,6 +23,11 @@ using testing::TestData;
 
 std::string Tiny() { return ReadFile(TestData("mocap/tiny.bvh")); }
 
+/// Without the wait for the disk that WriteFileAtomically() takes, for the tests write hundreds of files.
+void WriteText(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t position = text.find(from);
   EXPECT_NE(position, std::string::npos) << from;
@@ -29,7 +36,7 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
 
 ArticulatedMotion Read(const std::string& text, double unit_mm = 10.0) {
   const TemporaryFolder folder;
-  WriteFileAtomically(folder / "clip.bvh", text);
+  WriteText(folder / "clip.bvh", text);
   return ReadBvh(folder / "clip.bvh", unit_mm);
 }
 
@@ -108,7 +115,7 @@ TEST(Bvh, TheUnitIsToldByTheStature) {
     EXPECT_NEAR(At(Read(text, 0.0), 0, "Spine").z() - At(Read(text, 0.0), 0, "Hips").z(), 500.0, 1e-3) << c.unit_mm;
   }
   const TemporaryFolder folder;
-  WriteFileAtomically(folder / "clip.bvh", Replaced(Tiny(), "OFFSET 0 50 0", "OFFSET 0 300 0"));
+  WriteText(folder / "clip.bvh", Replaced(Tiny(), "OFFSET 0 50 0", "OFFSET 0 300 0"));
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadBvh(folder / "clip.bvh"); }),
               AllOf(HasSubstr("clip.bvh"), HasSubstr("420 units tall")));
 }

@@ -77,6 +77,7 @@ ArticulatedMotion RandomMotion(int frames) {
   motion.joints.push_back({"link 4_end", 4, Vector3d(1, 2, 3)});  // not the only child
   motion.joints.push_back({"hand", 2, Vector3d(10, 0, 0)});
   motion.joints.push_back({"hand_end", 16, Vector3d::Zero()});
+  motion.joints.push_back({"leaf_end", 1, Vector3d(0, 40, 0)});  // the end of nothing
   Rng rng(5);
   for (int t = 0; t < frames; ++t) {
     motion.root_position_mm.emplace_back(rng.Uniform(-5000, 5000), rng.Uniform(-5000, 5000), rng.Uniform(0, 2000));

@@ -108,7 +108,7 @@ class AmcReader {
     if (lines_.words().size() == count + 1) {  // the message need not be made for every line
       for (std::size_t i = 0; i < count; ++i) values_[first_value_[bone] + i] = lines_.Number(i + 1);
     } else {
-      lines_.Numbers(1, count, fmt::format("{} in frame {}", name_, number_), &values_[first_value_[bone]]);
+      lines_.Numbers(1, count, fmt::format("{} in frame {}", name_, number_), values_.data() + first_value_[bone]);
     }
   }
 

@@ -39,6 +39,9 @@ struct BvhJoint {
   bool has_channels = false;
 };
 
+/// An End Site at no distance is no joint: it closes a leaf, as WriteBvh() does.
+bool IsEmptyEndSite(const BvhJoint& joint) { return joint.is_end_site && joint.offset.isZero(0.0); }
+
 struct BvhFile {
   std::vector<BvhJoint> joints;
   std::size_t row = 0;  // values a frame
@@ -116,13 +119,16 @@ class Parser {
     }
     joint.name = is_end_site ? Top().name + "_end" : name;
     if (joint.name.empty()) lines_.Fail("a joint with a name", kDamaged, "none");
-    if (!names_.insert(joint.name).second) {
-      lines_.Fail("each joint once", "give the joints names that differ", fmt::format("{} again", Quoted(joint.name)));
-    }
+    if (!is_end_site) TakeName(joint.name);
     Advance("{");
     if (Word() != "{") lines_.Fail(fmt::format("the opening brace of {}", joint.name), kDamaged, Quoted(Word()));
     open_.push_back(static_cast<int>(file_.joints.size()));
     file_.joints.push_back(std::move(joint));
+  }
+
+  void TakeName(const std::string& name) {
+    if (names_.insert(name).second) return;
+    lines_.Fail("each joint once", "give the joints names that differ", fmt::format("{} again", Quoted(name)));
   }
 
   void CloseJoint() {
@@ -130,14 +136,14 @@ class Parser {
     if (!Top().is_end_site && !Top().has_channels) {
       lines_.Fail(fmt::format("the CHANNELS of {}", Top().name), kDamaged, "none");
     }
+    if (Top().is_end_site && !IsEmptyEndSite(Top())) TakeName(Top().name);
     open_.pop_back();
   }
 
   void ReadChannels() {
     BvhJoint& joint = Top();
     if (joint.is_end_site) lines_.Fail("no CHANNELS in an End Site", kDamaged);
-    if (joint.has_channels)
-      lines_.Fail(fmt::format("one line of CHANNELS of {}", joint.name), kDamaged, "a second one");
+    if (joint.has_channels) lines_.Fail("one line of CHANNELS", kDamaged, "a second one");
     const std::size_t named = lines_.words().size() - word_ - 1;
     const long long count = named > 0 ? WholeNumber(lines_.words()[word_ + 1]) : -1;
     if (count < 0 || count > 6) lines_.Fail("a count of channels from 0 to 6", kDamaged);
@@ -182,7 +188,7 @@ class Parser {
     const double frames = ReadHeaderLine("Frames");
     if (frames < 1.0 || frames != std::floor(frames)) lines_.Fail("a count of frames from 1", kDamaged);
     const double seconds = ReadHeaderLine("Frame Time");
-    if (seconds <= 0.0) lines_.Fail("a frame time above 0 seconds", kDamaged);
+    if (seconds < 1e-6) lines_.Fail("a frame time above 0 seconds", kDamaged);
     // Exporters write few digits: 0.0333333 is 30 frames a second, 0.008333 is 120.
     file_.fps = 1.0 / seconds;
     if (std::abs(std::round(file_.fps) - file_.fps) < 2e-4 * file_.fps) file_.fps = std::round(file_.fps);
@@ -255,9 +261,6 @@ double GuessUnit(const std::string& file, const std::vector<MotionJoint>& joints
   LogInfo("{}: takes lengths for {}: the body is {:.2f} m tall", file, best->name, stature * best->mm / 1000.0);
   return best->mm;
 }
-
-/// Joints that are segments' ends where they start are no joints: how WriteBvh() closes a leaf.
-bool IsEmptyEndSite(const BvhJoint& joint) { return joint.is_end_site && joint.offset.isZero(0.0); }
 
 /// Positions of a joint other than the root must be its offset, as an articulated body's are.
 void CheckStretch(const std::string& file, const BvhFile& bvh, const BvhJoint& joint, double largest) {

@@ -1,3 +1,5 @@
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -21,6 +23,11 @@ using testing::TestData;
 
 std::string Tiny() { return ReadFile(TestData("mocap/tiny.bvh")); }
 
+/// Without the wait for the disk that WriteFileAtomically() takes, for the tests write hundreds of files.
+void WriteText(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t position = text.find(from);
   EXPECT_NE(position, std::string::npos) << from;
@@ -29,7 +36,7 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
 
 ArticulatedMotion Read(const std::string& text, double unit_mm = 10.0) {
   const TemporaryFolder folder;
-  WriteFileAtomically(folder / "clip.bvh", text);
+  WriteText(folder / "clip.bvh", text);
   return ReadBvh(folder / "clip.bvh", unit_mm);
 }
 
@@ -108,7 +115,7 @@ TEST(Bvh, TheUnitIsToldByTheStature) {
     EXPECT_NEAR(At(Read(text, 0.0), 0, "Spine").z() - At(Read(text, 0.0), 0, "Hips").z(), 500.0, 1e-3) << c.unit_mm;
   }
   const TemporaryFolder folder;
-  WriteFileAtomically(folder / "clip.bvh", Replaced(Tiny(), "OFFSET 0 50 0", "OFFSET 0 300 0"));
+  WriteText(folder / "clip.bvh", Replaced(Tiny(), "OFFSET 0 50 0", "OFFSET 0 300 0"));
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadBvh(folder / "clip.bvh"); }),
               AllOf(HasSubstr("clip.bvh"), HasSubstr("420 units tall")));
 }
@@ -135,6 +142,18 @@ TEST(Bvh, DamagedHierarchiesSayWhereAndWhat) {
   EXPECT_THAT(BvhError("MOTION\n", "}\nMOTION\n"), HasSubstr("braces do not balance"));
 }
 
+TEST(Bvh, ChannelsMayBeFewAndEndSitesEmpty) {
+  // A root that only turns and rises, a joint that cannot move, a leaf that ends where it begins.
+  const ArticulatedMotion motion = Read(
+      "HIERARCHY\nROOT a\n{\nOFFSET 1 2 3\nCHANNELS 2 Yposition Zrotation\nJOINT b\n{\nOFFSET 0 80 0\nCHANNELS 0\n"
+      "JOINT c\n{\nOFFSET 0 90 0\nCHANNELS 1 Xrotation\nEnd Site\n{\nOFFSET 0 0 0\n}\n}\n}\n}\n"
+      "MOTION\nFrames: 1\nFrame Time: 0.04\n100 90 5\n");
+  ASSERT_EQ(motion.joint_count(), 3);
+  EXPECT_EQ(motion.fps, 25.0);
+  EXPECT_LT((At(motion, 0, "a") - Vector3d(10, -30, 1000)).norm(), 1e-9);
+  EXPECT_LT((At(motion, 0, "c") - Vector3d(-1690, -30, 1000)).norm(), 1e-9);
+}
+
 TEST(Bvh, DamagedMotionsSayWhereAndWhat) {
   const std::string tiny = Tiny();
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Read(tiny.substr(0, tiny.find("MOTION"))); }),
@@ -146,7 +165,7 @@ TEST(Bvh, DamagedMotionsSayWhereAndWhat) {
   for (const char* count : {"-2", "0", "2.5", "two", ""}) {
     EXPECT_THAT(BvhError("Frames: 2", fmt::format("Frames: {}", count)), HasSubstr("line 26")) << count;
   }
-  for (const char* seconds : {"0", "-0.1", "nan", "fast"}) {
+  for (const char* seconds : {"0", "-0.1", "1e-310", "nan", "fast"}) {
     EXPECT_THAT(BvhError("0.0083333", seconds), HasSubstr("line 27")) << seconds;
   }
   EXPECT_THAT(

@@ -324,6 +324,34 @@ TEST(RecordedClips, WalkersTellLeftFromRight) {
   }
 }
 
+/// The names in the widespread conversion of CMU's clips to BVH, whose hand is where CMU's lower forearm begins.
+TEST(RecordedClips, HaveTheSameLandmarksUnderTheNamesOfTheirConversion) {
+  CANONPOSE_SKIP_WITHOUT_SHARED("data/cmu");
+  const std::map<std::string, std::string> names = {
+      {"root", "Hips"},         {"lowerback", "LowerBack"}, {"upperback", "Spine"}, {"thorax", "Spine1"},
+      {"lowerneck", "Neck"},    {"upperneck", "Neck1"},     {"head", "Head"},       {"hipjoint", "HipJoint"},
+      {"femur", "UpLeg"},       {"tibia", "Leg"},           {"foot", "Foot"},       {"toes", "ToeBase"},
+      {"clavicle", "Shoulder"}, {"humerus", "Arm"},         {"radius", "ForeArm"},  {"wrist", "Hand"},
+      {"hand", "FingerBase"},   {"fingers", "HandIndex1"},  {"thumb", "Thumb"}};
+  const std::filesystem::path file = Shared("data/cmu/02/02_01.amc");
+  ArticulatedMotion motion = ReadMotion(file);
+  const LandmarkTrack expected = MakeLandmarkTrack(motion, file.string());
+  for (MotionJoint& joint : motion.joints) {
+    const bool is_end = joint.name.ends_with("_end");
+    const std::string bone = joint.name.substr(0, joint.name.size() - (is_end ? 4 : 0));
+    const auto whole = names.find(bone);
+    const std::string side = bone.substr(1) == "hipjoint" || bone.substr(1) == "thumb" ? bone[0] == 'l' ? "L" : "R"
+                             : bone[0] == 'l'                                          ? "Left"
+                                                                                       : "Right";
+    joint.name = (whole != names.end() ? whole->second : side + names.at(bone.substr(1))) + (is_end ? "_end" : "");
+  }
+  const LandmarkTrack converted = MakeLandmarkTrack(motion, file.string());
+  for (std::size_t i = 0; i < expected.positions_mm.size(); ++i) {
+    ASSERT_LT((expected.positions_mm[i] - converted.positions_mm[i]).norm(), 1e-6)
+        << LandmarkSkeleton().joints[i % kLandmarkCount];
+  }
+}
+
 /// Landmarks that are points of one rigid segment.
 const std::vector<std::pair<Landmark, Landmark>>& RigidPairs() {
   static const std::vector<std::pair<Landmark, Landmark>> pairs = {

@@ -18,17 +18,27 @@ namespace {
 constexpr double kMostStrength = 10.0;
 constexpr double kMostSyncFrames = 100.0;
 
-/// Right-handed axes of the trunk: forward, left, up, as columns.
-Eigen::Matrix3d TrunkAxes(const Eigen::Vector3d* p) {
-  const Eigen::Vector3d up = (p[kThorax] - p[kHip]).normalized();
-  const Eigen::Vector3d across = p[kLHip] - p[kRHip];
+/// Right-handed axes as columns: forward, left, up, where up is given and left about `across`.
+Eigen::Matrix3d Axes(const Eigen::Vector3d& upwards, const Eigen::Vector3d& across) {
+  const Eigen::Vector3d up = upwards.normalized();
   Eigen::Vector3d left = across - up * up.dot(across);
-  // A trunk without width has no front; any will do.
+  // A body without width has no front; any will do.
   if (!(left.norm() > 1e-6)) left = up.unitOrthogonal();
   left.normalize();
   Eigen::Matrix3d axes;
   axes << left.cross(up), left, up;
   return axes;
+}
+
+Eigen::Matrix3d TrunkAxes(const Eigen::Vector3d* p) { return Axes(p[kThorax] - p[kHip], p[kLHip] - p[kRHip]); }
+
+/// The axes that a joint's systematic offset turns with: the trunk's, the head's, or its limb's.
+Eigen::Matrix3d OffsetAxes(int landmark, const Eigen::Vector3d* p, const Eigen::Matrix3d& trunk) {
+  const tuning::JointClass* its_class = &tuning::ClassOf(landmark);
+  if (its_class == &tuning::kHeadJoints) return Axes(p[kHead] - p[kUpperNeck], p[kLEar] - p[kREar]);
+  if (its_class == &tuning::kHips || its_class == &tuning::kShoulders || its_class == &tuning::kTrunk) return trunk;
+  const int parent = LandmarkSkeleton().parents[static_cast<std::size_t>(landmark)];
+  return Axes(p[parent] - p[landmark], trunk.col(1));
 }
 
 const tuning::SystematicOffset& OffsetOf(int landmark) {
@@ -40,7 +50,7 @@ const tuning::SystematicOffset& OffsetOf(int landmark) {
   return tuning::kLimbOffset;
 }
 
-/// Where a detector's joints lie from the skeleton's: forward, left and up in the trunk's axes, in statures. Left and
+/// Where a detector's joints lie from the skeleton's: forward, left and up in OffsetAxes(), in statures. Left and
 /// right mirror each other; joints on the midline stay on it.
 std::array<Eigen::Vector3d, kLandmarkCount> SystematicOffsets(double strength, std::uint64_t detector_seed) {
   std::array<Eigen::Vector3d, kLandmarkCount> offsets;
@@ -120,8 +130,11 @@ class Viewer {
       occlusion_.Find(landmarks_.data(), joints_.data(), centre, stature_mm, view.hidden.data());
     }
     if (has_offsets_) {
-      for (std::size_t j = 0; j < landmarks_.size(); ++j) landmarks_[j] += stature_mm * (axes * offsets_[j]);
-      MapJoints(mapping_, landmarks_.data(), joints_.data());
+      std::array<Eigen::Vector3d, kLandmarkCount> displaced = landmarks_;
+      for (std::size_t j = 0; j < displaced.size(); ++j) {
+        displaced[j] += stature_mm * (OffsetAxes(static_cast<int>(j), landmarks_.data(), axes) * offsets_[j]);
+      }
+      MapJoints(mapping_, displaced.data(), joints_.data());
     }
     previous_.swap(view.pixels);
     view.pixels.resize(joints_.size());
@@ -211,6 +224,7 @@ Detections Detect(const LandmarkTrack& track, const FilmingCamera& camera, const
                   const DetectorOptions& options, std::uint64_t detector_seed, Rng rng) {
   options.Validate();
   const auto frames = static_cast<std::size_t>(track.frame_count());
+  CANONPOSE_CHECK(track.fps > 0.0, "clip {} has {} frames a second", track.name, track.fps);
   const std::size_t count = layout.from_landmarks.joints.size();
   CANONPOSE_CHECK(camera.cameras.size() == 1 || camera.cameras.size() >= frames, "{} cameras for {} frames",
                   camera.cameras.size(), frames);

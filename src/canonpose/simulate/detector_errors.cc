@@ -59,25 +59,26 @@ bool Stretches::IsActive(double seconds, double chance, Rng& rng) {
   return happens_;
 }
 
-ErrorProcess::Joint::Joint(const tuning::JointClass& joint_class, const DetectorOptions& options, double fps, Rng& rng)
+ErrorProcess::Joint::Joint(const tuning::JointClass& joint_class, const DetectorOptions& options, double fps,
+                           Rng& noise_rng, Rng& outlier_rng, Rng& miss_rng)
     : its_class(&joint_class),
-      slow_x(tuning::kSlowSeconds, fps, rng),
-      slow_y(tuning::kSlowSeconds, fps, rng),
-      fast_x(tuning::kFastSeconds, fps, rng),
-      fast_y(tuning::kFastSeconds, fps, rng),
-      scale(tuning::kScaleSeconds, fps, rng),
-      occluded_x(tuning::kOccludedSeconds, fps, rng),
-      occluded_y(tuning::kOccludedSeconds, fps, rng),
-      pull(tuning::kOccludedSeconds, fps, rng),
+      slow_x(tuning::kSlowSeconds, fps, noise_rng),
+      slow_y(tuning::kSlowSeconds, fps, noise_rng),
+      fast_x(tuning::kFastSeconds, fps, noise_rng),
+      fast_y(tuning::kFastSeconds, fps, noise_rng),
+      scale(tuning::kScaleSeconds, fps, noise_rng),
+      occluded_x(tuning::kOccludedSeconds, fps, noise_rng),
+      occluded_y(tuning::kOccludedSeconds, fps, noise_rng),
+      pull(tuning::kOccludedSeconds, fps, noise_rng),
       outliers(
           tuning::kOutlier,
           options.noise * options.outliers * tuning::kOutlier.rate * joint_class.outlier * tuning::kOutlierWhenOccluded,
-          rng),
+          outlier_rng),
       misses(tuning::kMissedJoint,
              options.noise * options.missed_joints * tuning::kMissedJoint.rate * joint_class.missed *
                  tuning::kMissedWhenOccluded,
-             rng),
-      confidence(tuning::kConfidenceSeconds, fps, rng) {}
+             miss_rng),
+      confidence(tuning::kConfidenceSeconds, fps, noise_rng) {}
 
 ErrorProcess::ErrorProcess(const DetectorLayout& layout, const DetectorOptions& options, double fps, Rng& rng)
     : options_(options),
@@ -87,16 +88,17 @@ ErrorProcess::ErrorProcess(const DetectorLayout& layout, const DetectorOptions& 
       outlier_rng_(rng.Bits()),
       swap_rng_(rng.Bits()),
       miss_rng_(rng.Bits()),
+      missed_frame_rng_(rng.Bits()),
       confidence_rng_(rng.Bits()),
       person_scale_(tuning::kScaleSeconds, fps, noise_rng_),
       leg_swaps_(tuning::kLegSwap, options.noise * options.swaps * tuning::kLegSwap.rate, swap_rng_),
       body_swaps_(tuning::kBodySwap, options.noise * options.swaps * tuning::kBodySwap.rate, swap_rng_),
       missed_frames_(tuning::kMissedFrame, options.noise * options.missed_frames * tuning::kMissedFrame.rate,
-                     miss_rng_) {
+                     missed_frame_rng_) {
   const Skeleton& target = layout.from_landmarks.target;
   for (std::size_t j = 0; j < target.joints.size(); ++j) {
     Rng own(rng.Bits());
-    joints_.emplace_back(tuning::ClassOf(LandmarkOf(layout, j)), options, fps, own);
+    joints_.emplace_back(tuning::ClassOf(LandmarkOf(layout, j)), options, fps, own, outlier_rng_, miss_rng_);
     joints_.back().mirror = target.mirror[j];
     joints_.back().is_leg = IsLeg(LandmarkOf(layout, j));
   }
@@ -131,11 +133,11 @@ void ErrorProcess::AddNoise(const FrameView& view, FrameDetections& found) {
     const Eigen::Vector2d fast(joint.fast_x.Next(noise_rng_), joint.fast_y.Next(noise_rng_));
     found.pixels[j] +=
         view.height_px * jitter * scale * blur * (joint.its_class->slow * slow + joint.its_class->fast * fast);
-    const bool is_hidden = occlusion > 0.0 && view.hidden[j] != 0;
-    joint.hidden += (is_first_ ? 1.0 : ramp_) * ((is_hidden ? 1.0 : 0.0) - joint.hidden);
+    joint.is_hidden = occlusion > 0.0 && view.hidden[j] != 0;
+    joint.hidden += (is_first_ ? 1.0 : ramp_) * ((joint.is_hidden ? 1.0 : 0.0) - joint.hidden);
     const Eigen::Vector2d lost(joint.occluded_x.Next(occlusion_rng_), joint.occluded_y.Next(occlusion_rng_));
     const double pull = std::clamp(tuning::kPull + tuning::kPullSpread * joint.pull.Next(occlusion_rng_), 0.0, 1.0);
-    if (is_hidden) found.errors[j] |= kOccluded;
+    if (joint.is_hidden) found.errors[j] |= kOccluded;
     if (!(occlusion > 0.0) || joint.hidden < 1e-3) continue;
     Eigen::Vector2d other = pull * (view.pixels[static_cast<std::size_t>(joint.mirror)] - view.pixels[j]);
     if (!other.allFinite()) other.setZero();
@@ -164,7 +166,7 @@ void ErrorProcess::BeginOutlier(std::size_t j) {
 void ErrorProcess::AddOutliers(const FrameView& view, FrameDetections& found) {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     Joint& joint = joints_[j];
-    const double chance = (found.errors[j] & kOccluded) != 0 ? 1.0 : 1.0 / tuning::kOutlierWhenOccluded;
+    const double chance = joint.is_hidden ? 1.0 : 1.0 / tuning::kOutlierWhenOccluded;
     if (!joint.outliers.IsActive(view.seconds, chance, outlier_rng_)) continue;
     if (joint.outliers.has_just_begun()) BeginOutlier(j);
     const Eigen::Vector2d noise = found.pixels[j] - view.pixels[j];
@@ -189,7 +191,8 @@ void ErrorProcess::AddSwaps(const FrameView& view, FrameDetections& found) {
     if (mirror <= j || !(body || joints_[j].is_leg)) continue;
     if (!found.pixels[j].allFinite() || !found.pixels[mirror].allFinite()) continue;
     std::swap(found.pixels[j], found.pixels[mirror]);
-    // The peak that is found keeps its certainty: swaps are not seen in it.
+    // The peak that is found keeps what befell it, and its certainty: swaps are not seen in it.
+    std::swap(found.errors[j], found.errors[mirror]);
     std::swap(unswapped_error_[j], unswapped_error_[mirror]);
     found.errors[j] |= kSwapped;
     found.errors[mirror] |= kSwapped;
@@ -222,9 +225,9 @@ void ErrorProcess::AddConfidence(const FrameView& view, FrameDetections& found) 
 }
 
 void ErrorProcess::AddMisses(const FrameView& view, FrameDetections& found) {
-  const bool all = missed_frames_.IsActive(view.seconds, 1.0, miss_rng_);
+  const bool all = missed_frames_.IsActive(view.seconds, 1.0, missed_frame_rng_);
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const double chance = (found.errors[j] & kOccluded) != 0 ? 1.0 : 1.0 / tuning::kMissedWhenOccluded;
+    const double chance = joints_[j].is_hidden ? 1.0 : 1.0 / tuning::kMissedWhenOccluded;
     const bool is_missed = joints_[j].misses.IsActive(view.seconds, chance, miss_rng_);
     if (is_missed || all) found.errors[j] |= kMissed;
   }

@@ -65,7 +65,8 @@ class ErrorProcess {
 
  private:
   struct Joint {
-    Joint(const tuning::JointClass& joint_class, const DetectorOptions& options, double fps, Rng& rng);
+    Joint(const tuning::JointClass& joint_class, const DetectorOptions& options, double fps, Rng& noise_rng,
+          Rng& outlier_rng, Rng& miss_rng);
     const tuning::JointClass* its_class;
     int mirror = 0;
     bool is_leg = false;
@@ -73,6 +74,7 @@ class ErrorProcess {
     RoughNoise fast_x, fast_y;
     SmoothNoise scale;
     SmoothNoise occluded_x, occluded_y, pull;
+    bool is_hidden = false;
     double hidden = 0.0;  ///< 0..1, rises and falls within kOcclusionRampSeconds
     Stretches outliers;
     Stretches misses;
@@ -93,7 +95,7 @@ class ErrorProcess {
   DetectorOptions options_;
   double ramp_;
   // One stream for each kind of error, so that changing one option leaves the others' errors as they were.
-  Rng noise_rng_, occlusion_rng_, outlier_rng_, swap_rng_, miss_rng_, confidence_rng_;
+  Rng noise_rng_, occlusion_rng_, outlier_rng_, swap_rng_, miss_rng_, missed_frame_rng_, confidence_rng_;
   SmoothNoise person_scale_;
   std::vector<Joint> joints_;
   Stretches leg_swaps_, body_swaps_, missed_frames_;

@@ -185,6 +185,25 @@ TEST(Detect, EachStrengthAtZeroLeavesItsKindOutAndMoreMeansMore) {
   }
 }
 
+TEST(Detect, ChangingOneStrengthLeavesTheOtherErrorsAsTheyWere) {
+  const Outcome usual = RunDetector(DetectorOptions{});
+  for (const auto& [strength, kind] :
+       {std::pair(&DetectorOptions::swaps, kSwapped), std::pair(&DetectorOptions::outliers, kOutlier),
+        std::pair(&DetectorOptions::missed_joints, kMissed), std::pair(&DetectorOptions::missed_frames, kMissed)}) {
+    DetectorOptions options;
+    options.*strength = 0.0;
+    const Outcome without = RunDetector(options);
+    int changed = 0;
+    for (std::size_t i = 0; i < usual.errors.size(); ++i) {
+      changed += usual.errors[i] != without.errors[i] ? 1 : 0;
+      if ((usual.errors[i] & kind) != 0 || (usual.errors[i] & kMissed) != 0) continue;
+      EXPECT_EQ(usual.offsets[i], without.offsets[i]);
+      EXPECT_EQ(usual.confidence[i], without.confidence[i]);
+    }
+    EXPECT_GT(changed, 100);
+  }
+}
+
 TEST(Detect, AmplitudesGrowWithTheirStrengths) {
   DetectorOptions options = Nothing();
   EXPECT_EQ(RunDetector(options).Share(kOccluded), 0.0);

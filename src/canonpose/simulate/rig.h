@@ -56,7 +56,8 @@ class Rig {
 ///   ring      8 to 14 static cameras all around, 0.6 m high to the ceiling from which they look down, 2 to 4 m away,
 ///             2048x2048 pixels, focal length 1050 to 1500 px (MPI-INF-3DHP)
 ///   ptz       6 pan-tilt-zoom cameras, 10 to 60 m away, below and above the subject, that follow it and zoom so that
-///             it fills 25 to 60 % of the picture's height, 1920x1080 (SkiPose)
+///             it fills 25 to 60 % of the picture's height, 1920x1080 (SkiPose). Each stands beside the course: where a
+///             clip comes nearer than 60 % of its distance, it steps back
 ///   handheld  4 people who walk around with phones, 3.4 to 5.6 m away, 1920x1080 or upright
 ///
 /// A rig file is JSON (world z up, mm; camera x right, y down, z forward; x_in_camera = R * x_in_world + t):

@@ -50,6 +50,7 @@ class Follower {
 
 /// A follower that already follows: it has seen the first two frames before.
 Follower FollowPelvis(const LandmarkTrack& track, double time_constant_seconds) {
+  CANONPOSE_CHECK(track.fps > 0.0, "clip {} has {} frames a second", track.name, track.fps);
   const Eigen::Vector3d& first = Pelvis(track, 0);
   const Eigen::Vector3d step = track.frame_count() > 1 ? (Pelvis(track, 1) - first).eval() : Eigen::Vector3d::Zero();
   Follower follower(first - step, time_constant_seconds, track.fps);

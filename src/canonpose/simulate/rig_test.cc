@@ -258,6 +258,20 @@ TEST(Rig, PtzFollowsASkierAndZoomsWithinItsRange) {
   EXPECT_GT(most, 0.45);
 }
 
+TEST(Rig, PtzStandsBesideTheCourse) {
+  RigOptions options;
+  options.kind = "ptz";
+  options.distance_m = 20.0;
+  const LandmarkTrack track = WalkInCircle(400, 25.0, 30.0e3, 16.0);
+  for (const FilmingCamera& camera : Film(options, 1, track)) {
+    const Eigen::Vector3d place = Centre(camera.cameras.front());
+    for (int t = 0; t < track.frame_count(); ++t) {
+      EXPECT_GT((track.At(t, kHip) - place).head<2>().norm(), 0.6 * 0.7 * 20.0e3);
+      EXPECT_LT((Centre(camera.cameras[static_cast<std::size_t>(t)]) - place).norm(), 1e-6) << "turns on its tripod";
+    }
+  }
+}
+
 TEST(Rig, HandheldShakesAndWalks) {
   RigOptions options;
   options.kind = "handheld";

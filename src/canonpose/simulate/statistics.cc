@@ -54,6 +54,7 @@ std::vector<double> CentredRanks(const std::vector<std::uint64_t>& counts) {
 DetectorStatistics::DetectorStatistics(const DetectorLayout& layout)
     : layout_(layout),
       errors_(layout.from_landmarks.joints.size(), std::vector<std::uint64_t>(kErrorBins)),
+      hidden_errors_(kErrorBins),
       large_(kConfidenceBins),
       small_(kConfidenceBins),
       ranks_(kRankBins * kRankBins) {}
@@ -83,13 +84,16 @@ void DetectorStatistics::Add(const LandmarkTrack& track, const FilmingCamera& ca
       if (!is_found(detections.confidence[at])) continue;
       const Eigen::Vector2d found(detections.keypoints[2 * at], detections.keypoints[2 * at + 1]);
       const double error = 100.0 * (found - now.Project(positions[at])).norm() / height_px;
-      if (std::isfinite(error)) AddJoint(j, error, static_cast<double>(detections.confidence[at]));
+      if (std::isfinite(error))
+        AddJoint(j, error, static_cast<double>(detections.confidence[at]), detections.errors[at]);
     }
   }
 }
 
-void DetectorStatistics::AddJoint(std::size_t joint, double error_percent, double confidence) {
-  ++errors_[joint][Bin(error_percent / 100.0, kErrorBins)];
+void DetectorStatistics::AddJoint(std::size_t joint, double error_percent, double confidence, std::uint8_t errors) {
+  const std::size_t bin = Bin(error_percent / 100.0, kErrorBins);
+  ++errors_[joint][bin];
+  if ((errors & kOccluded) != 0) ++hidden_errors_[bin];
   ++(error_percent > kLargePercent ? large_ : small_)[Bin(confidence, kConfidenceBins)];
   const double log_error = (std::log10(std::max(error_percent, 1e-9)) + 2.0) / 4.0;
   ++ranks_[Bin(log_error, kRankBins) * kRankBins + Bin(confidence, kRankBins)];
@@ -98,6 +102,7 @@ void DetectorStatistics::AddJoint(std::size_t joint, double error_percent, doubl
 void DetectorStatistics::Merge(const DetectorStatistics& other) {
   CANONPOSE_CHECK(errors_.size() == other.errors_.size(), "{} and {} joints", errors_.size(), other.errors_.size());
   for (std::size_t j = 0; j < errors_.size(); ++j) AddTo(errors_[j], other.errors_[j]);
+  AddTo(hidden_errors_, other.hidden_errors_);
   AddTo(large_, other.large_);
   AddTo(small_, other.small_);
   AddTo(ranks_, other.ranks_);
@@ -128,6 +133,10 @@ double DetectorStatistics::Percentile(int joint, double percent) const {
   std::vector<std::uint64_t> all(kErrorBins);
   for (const std::vector<std::uint64_t>& bins : errors_) AddTo(all, bins);
   return 100.0 * PercentileOf(all, percent);
+}
+
+double DetectorStatistics::HiddenPercentile(double percent) const {
+  return 100.0 * PercentileOf(hidden_errors_, percent);
 }
 
 double DetectorStatistics::ConfidencePercentile(double percent) const {
@@ -181,18 +190,19 @@ double DetectorStatistics::MissedFrameShare() const { return Ratio(missed_frames
 
 std::string DetectorStatistics::Describe() const {
   std::string text = "error, % of the person's height in the image\n";
-  const auto line = [&](const std::string& name, int joint) {
+  const auto line = [&](const std::string& name, auto&& percentile) {
     text += fmt::format("{:<12}", name);
-    for (const double percent : kPercents) text += fmt::format("{:>8.2f}", Percentile(joint, percent));
+    for (const double percent : kPercents) text += fmt::format("{:>8.2f}", percentile(percent));
     text += '\n';
   };
   text += fmt::format("{:<12}", "percentile");
   for (const double percent : kPercents) text += fmt::format("{:>8}", percent);
   text += '\n';
   for (std::size_t j = 0; j < errors_.size(); ++j) {
-    line(layout_.from_landmarks.target.joints[j], static_cast<int>(j));
+    line(layout_.from_landmarks.target.joints[j], [&](double p) { return Percentile(static_cast<int>(j), p); });
   }
-  line("all", -1);
+  line("all", [&](double p) { return Percentile(-1, p); });
+  if (Sum(hidden_errors_) > 0) line("all hidden", [&](double p) { return HiddenPercentile(p); });
   const auto share = [&](const char* name, double value) {
     text += fmt::format("{:<28}{:>8.2f} %\n", name, 100 * value);
   };

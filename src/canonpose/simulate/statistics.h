@@ -24,6 +24,8 @@ class DetectorStatistics {
   /// Percentile 0..100 of the error of one joint, or of all where joint is -1; good to 0.02, 100 where it is more. NaN
   /// without any detection.
   [[nodiscard]] double Percentile(int joint, double percent) const;
+  /// The same of joints that the body hides.
+  [[nodiscard]] double HiddenPercentile(double percent) const;
   /// Percentile 0..100 of the confidences.
   [[nodiscard]] double ConfidencePercentile(double percent) const;
   /// Area under the ROC curve of low confidence as the sign of a large error (> 5 % of the height); NaN without any.
@@ -40,10 +42,11 @@ class DetectorStatistics {
  private:
   /// Percentile from counts by bin of the error.
   [[nodiscard]] double PercentileOf(const std::vector<std::uint64_t>& bins, double percent) const;
-  void AddJoint(std::size_t joint, double error_percent, double confidence);
+  void AddJoint(std::size_t joint, double error_percent, double confidence, std::uint8_t errors);
 
   DetectorLayout layout_;
   std::vector<std::vector<std::uint64_t>> errors_;  ///< per joint, by error
+  std::vector<std::uint64_t> hidden_errors_;        ///< of hidden joints, by error
   std::vector<std::uint64_t> large_, small_;        ///< large and small errors by confidence
   std::vector<std::uint64_t> ranks_;                ///< confidence by error, for the rank correlation
   std::array<std::uint64_t, 8> kinds_{};            ///< joints by bit of ErrorKind

@@ -58,6 +58,8 @@ TEST_P(DefaultDetector, IsAsGoodAndAsBadAsRealOnes) {
   EXPECT_NEAR(statistics.Share(kOutlier), 0.010, 0.005);
   EXPECT_NEAR(statistics.Share(kMissed), 0.015, 0.006);
   EXPECT_NEAR(statistics.MissedFrameShare(), 0.006, 0.004);
+  EXPECT_GT(statistics.HiddenPercentile(50), 1.5 * statistics.Percentile(-1, 50));
+  EXPECT_LT(statistics.HiddenPercentile(50), 4.0 * statistics.Percentile(-1, 50));
   EXPECT_GT(statistics.Share(kOccluded), 0.08);
   EXPECT_LT(statistics.Share(kOccluded), 0.25);
 }

@@ -1,0 +1,43 @@
+// Arm postures that people take: where the hand is and where the elbow points.
+#pragma once
+
+#include "canonpose/simulate/pose_solver.h"
+#include "canonpose/simulate/stage.h"
+
+namespace canonpose {
+
+enum class ArmPose {
+  kHang,
+  kHip,         ///< hand on the hip
+  kPhone,       ///< hand at the ear
+  kBehindHead,  ///< hand behind the head
+  kHeadTop,     ///< hand on the head
+  kOverhead,
+  kSideways,
+  kForward,
+  kUpDiagonal,
+  kGoalpost,  ///< upper arm sideways, forearm up
+  kChest,     ///< hand before the chest
+  kCross,     ///< hand at the other elbow
+  kBelly,     ///< hands before the belly
+  kBehindBack,
+  kGuard,  ///< boxer's
+  kPocket,
+  kPointAhead,
+  kOtherShoulder,
+  kChin,
+  kLowForward,
+  kCarry,  ///< forearm forward, elbow at the side
+  kCount
+};
+
+/// The angles of a pose for a body, with a little freedom.
+ArmAngles AnglesOf(Stage& stage, ArmPose pose);
+/// Angles anywhere in the range of the joints; hands behind the trunk are rare.
+ArmAngles RandomArm(Stage& stage);
+/// Moves an arm.
+void MoveArm(Stage& stage, int side, double start, double duration, const ArmAngles& angles);
+/// Back to how StandNaturally() has it.
+ArmAngles HangingArm(Stage& stage);
+
+}  // namespace canonpose

@@ -1,0 +1,92 @@
+// A person's build: the lengths of the segments and the tree of joints that carries them.
+//
+// The body's frame, also every joint's in the rest pose: x forward, y left, z up. At rest the body stands upright with
+// hanging arms.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "canonpose/simulate/motion.h"
+
+namespace canonpose {
+
+enum Side : int { kLeft = 0, kRight = 1 };
+
+/// +1 to the left, -1 to the right.
+inline double SideSign(int side) { return side == kLeft ? 1.0 : -1.0; }
+
+/// Joints of the procedural body, in the tree's order. Those without a landmark are articulations only. (Prefix kB:
+/// landmarks have the short names.)
+enum BodyJoint : int {
+  kBHip,
+  kBLumbar,
+  kBSpine,
+  kBThorax,
+  kBNeck,
+  kBUpperNeck,
+  kBHead,
+  kBNose,
+  kBREye,
+  kBLEye,
+  kBREar,
+  kBLEar,
+  kBLClavicle,
+  kBLShoulder,
+  kBLElbow,
+  kBLWrist,
+  kBRClavicle,
+  kBRShoulder,
+  kBRElbow,
+  kBRWrist,
+  kBLHip,
+  kBLKnee,
+  kBLFoot,
+  kBLHeel,
+  kBLToes,
+  kBLBigToe,
+  kBLSmallToe,
+  kBRHip,
+  kBRKnee,
+  kBRFoot,
+  kBRHeel,
+  kBRToes,
+  kBRBigToe,
+  kBRSmallToe,
+  kBodyJointCount
+};
+
+/// The same joint of the other side's limb: kBLClavicle and kBLHip begin the left limbs.
+inline int ArmJoint(int left_joint, int side) { return left_joint + (kBRClavicle - kBLClavicle) * side; }
+inline int LegJoint(int left_joint, int side) { return left_joint + (kBRHip - kBLHip) * side; }
+
+/// All lengths in mm; arrays are (left, right).
+struct Body {
+  double stature = 0.0;
+  std::array<double, 2> thigh{};
+  std::array<double, 2> shank{};
+  std::array<double, 2> upper_arm{};
+  std::array<double, 2> forearm{};
+  std::array<double, 2> ankle_height{};  ///< of the ankle above the sole
+  std::array<double, 2> ball{};          ///< of the foot, ahead of the ankle; where the toes bend
+  std::array<double, 2> heel{};          ///< behind the ankle
+  double hip_width = 0.0;                ///< between the hips' centres
+  double shoulder_width = 0.0;           ///< between the shoulders' centres
+  double trunk = 0.0;                    ///< from the mid of the hips to the mid of the shoulders
+  std::vector<MotionJoint> joints;       ///< (kBodyJointCount)
+
+  [[nodiscard]] double leg(int side) const { return thigh[Index(side)] + shank[Index(side)]; }
+  [[nodiscard]] double arm(int side) const { return upper_arm[Index(side)] + forearm[Index(side)]; }
+  /// Height of the hips over the ground when standing straight, of the shorter leg.
+  [[nodiscard]] double standing_hip_height() const;
+  static std::size_t Index(int side) { return static_cast<std::size_t>(side); }
+};
+
+/// A random person: women and men (and one child in ten) with the spread of stature and proportions of adults, and the
+/// sides of the body different by about one percent.
+Body MakeBody(std::uint64_t subject_seed);
+
+}  // namespace canonpose

@@ -380,7 +380,13 @@ class Solver {
     const double weight = std::clamp(Get(Of(kHandWeight, side)), 0.0, 1.0);
     if (weight > 0.0) {
       const Vector3d hand(Get(Of(kHandX, side)), Get(Of(kHandY, side)), Get(Of(kHandZ, side)));
-      BringWrist(side, shoulder, (1.0 - weight) * wrist + weight * hand, elbow, wrist);
+      Vector3d elbow_there = elbow;
+      Vector3d wrist_there = wrist;
+      BringWrist(side, shoulder, hand, elbow_there, wrist_there);
+      // Between the two by the directions of upper arm and forearm.
+      const Vector3d fore = (1.0 - weight) * (wrist - elbow) + weight * (wrist_there - elbow_there);
+      elbow = shoulder + ((1.0 - weight) * elbow + weight * elbow_there - shoulder).normalized() * body_.upper_arm[i];
+      wrist = elbow + fore.normalized() * body_.forearm[i];
     }
     ArmLine line{
         (elbow - shoulder).normalized(), (wrist - elbow).normalized(),        Vector3d::Zero(), Vector3d::Zero(),

@@ -59,7 +59,7 @@ struct Angles {
 Angles AnglesOf(const Matrix3d& world_from_body) {
   const Vector3d front = world_from_body.col(0);
   const double pitch = std::asin(std::clamp(-front.z(), -1.0, 1.0));
-  const double roll = -std::asin(std::clamp(world_from_body(2, 1) / std::cos(pitch), -1.0, 1.0));
+  const double roll = -std::atan2(world_from_body(2, 1), world_from_body(2, 2));
   return {std::atan2(front.y(), front.x()), pitch, roll};
 }
 

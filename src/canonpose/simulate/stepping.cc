@@ -70,7 +70,7 @@ class Planner {
     step.side = side;
     step.start = t;
     step.interval = 1.0 / (rate * options_.cadence);
-    step.swing = step.interval * (options_.running ? std::clamp(1.55 + 0.05 * (metres - 2.2), 1.52, 1.70) : 0.80);
+    step.swing = step.interval * (options_.running ? std::clamp(1.63 + 0.04 * (metres - 2.2), 1.60, 1.74) : 0.80);
     step.speed = velocity;
     return step;
   }

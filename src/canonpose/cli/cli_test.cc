@@ -230,6 +230,72 @@ TEST(Program, BadInputsOfImport) {
   EXPECT_FALSE(fs::exists(out));
 }
 
+TEST(Program, SimulatedCaptureGoesTheWholeWay) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> people = {"--subjects", "2", "--clips", "2", "--seconds", "2", "--fps", "20"};
+  const auto simulate = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "simulate");
+    arguments.insert(arguments.end(), people.begin(), people.end());
+    return Execute(arguments);
+  };
+  const Outcome first = simulate({"-o", folder / "a.h5", "--seed", "3", "--describe", "--openpose", folder / "open",
+                                  "--alphapose", folder / "alpha", "--bvh", folder / "bvh"});
+  ASSERT_EQ(first.exit_code, 0) << first.errors;
+  EXPECT_THAT(first.output, AllOf(HasSubstr("LWrist"), HasSubstr("confidence AUC")));
+  ASSERT_EQ(simulate({"-o", folder / "b.h5", "--seed", "3", "--threads", "1", "--layout", "body_25b"}).exit_code, 0);
+  EXPECT_EQ(ReadFile(folder / "a.h5"), ReadFile(folder / "b.h5")) << "the same seed gives the same bits";
+  EXPECT_THAT(Execute({"info", folder / "a.h5"}).output, AllOf(HasSubstr("simulated"), HasSubstr("truth")));
+
+  // The files beside it are read as any other program's.
+  const fs::path clip = folder / "open" / "person3-1-001-gait";
+  EXPECT_EQ(Execute({"import", "openpose", clip, "-o", folder / "o.h5", "--image-size", "1000x1000"}).exit_code, 0);
+  EXPECT_EQ(Execute({"import", "alphapose", folder / "alpha" / "person3-1-001-gait", "-o", folder / "p.h5", "--layout",
+                     "body_25b", "--image-size", "1000x1000"})
+                .exit_code,
+            0);
+  EXPECT_EQ(Execute({"simulate", folder / "bvh", "-o", folder / "c.h5", "--noise", "0"}).exit_code, 0);
+  // An earlier simulation's files are not mixed with new ones.
+  EXPECT_EQ(simulate({"-o", folder / "d.h5", "--openpose", folder / "open"}).exit_code, 3);
+  EXPECT_FALSE(fs::exists(folder / "d.h5"));
+
+  for (const std::string preset : {"plus", "supervised"}) {
+    const Outcome trained = Execute({"train", folder / "a.h5", "-o", folder / preset, "--preset", preset, "--epochs",
+                                     "2", "--width", "16", "--threads", "1"});
+    EXPECT_EQ(trained.exit_code, 0) << trained.errors;
+    EXPECT_THAT(Execute({"evaluate", folder / preset, folder / "a.h5"}).output, HasSubstr("Depth of the poses"));
+  }
+}
+
+TEST(Program, BadInputsOfSimulation) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out.h5";
+  fs::copy_file(TestData("mocap/tiny.amc"), folder / "lone.amc");
+  ExpectBadInput({"simulate", folder / "lone.amc", "-o", out}, AllOf(HasSubstr("lone.amc"), HasSubstr(".asf")));
+  std::string bvh = ReadFile(TestData("mocap/tiny.bvh"));
+  WriteFileAtomically(folder / "cut.bvh", bvh.substr(0, bvh.find_last_not_of(" \n0123456789.-") + 1) + "\n1 2 3\n");
+  ExpectBadInput({"simulate", folder / "cut.bvh", "-o", out}, AllOf(HasSubstr("cut.bvh"), HasSubstr("line")));
+  const std::string channels = "CHANNELS 3";
+  ASSERT_NE(bvh.find(channels), std::string::npos);
+  bvh.replace(bvh.find(channels), channels.size(), "CHANNELS 4");
+  WriteFileAtomically(folder / "channel.bvh", bvh);
+  ExpectBadInput({"simulate", folder / "channel.bvh", "-o", out}, AllOf(HasSubstr("channel.bvh"), HasSubstr("line")));
+  const std::string camera =
+      R"({"name":"%","image_size":[100,100],"K":[[90,0,50],[0,90,50],[0,0,1]],"R":[[1,0,0],[0,1,0],[0,0,-1]],"t":[0,0,1]})";
+  std::string rig = "{\"cameras\":[" + camera;
+  rig += ",";
+  rig += camera;
+  rig += "]}";
+  WriteFileAtomically(folder / "rig.json", rig);
+  ExpectBadInput({"simulate", "--rig", folder / "rig.json", "-o", out}, AllOf(HasSubstr("rig.json"), HasSubstr("R")));
+  for (const std::string option : {"--subjects", "--clips", "--cameras", "--seconds", "--fps", "--threads"}) {
+    ExpectBadInput({"simulate", option, "-2", "-o", out}, HasSubstr(option));
+  }
+  ExpectBadInput({"simulate", "--subjects", "1", "--clips", "1", "-o", "/proc/out.h5"}, HasSubstr("/proc/out.h5"));
+  EXPECT_EQ(Execute({"simulate"}).exit_code, 2);
+  EXPECT_EQ(Execute({"simulate", "--activities", "flying", "-o", out}).exit_code, 2);
+  EXPECT_FALSE(fs::exists(out));
+}
+
 TEST(Program, InterruptedTrainingSavesAndSaysHowToGoOn) {
   const TemporaryFolder folder;
   WriteData(folder / "data.h5");

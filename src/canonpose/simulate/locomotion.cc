@@ -88,6 +88,10 @@ void WalkThroughRoom(Stage& stage, const std::vector<Leg>& legs, double radius, 
     stage[kPelvisX][i] += x;
     stage[kPelvisY][i] += y;
     stage[kPelvisYaw][i] += yaw;
+    // The body leans into a turn: the pelvis runs inside of the feet.
+    const double lean = std::atan(ahead[1] * turn[1] / 9810.0);
+    stage[kSway][i] += 0.8 * std::sin(lean) * stage.Tall(0.5);
+    stage[kPelvisRoll][i] += 0.8 * lean;
     x += dt * (std::cos(yaw) * ahead[1] - std::sin(yaw) * left[1]);
     y += dt * (std::sin(yaw) * ahead[1] + std::cos(yaw) * left[1]);
     yaw += dt * turn[1];
@@ -168,7 +172,7 @@ void PerformGait(Stage& stage) {
   const std::array<std::vector<double>, 2> busy = BusyHands(stage, 0.4);
   SwingAlong(stage, LeftFootAhead(stage), swing, busy, stage.Uniform(0.08, 0.28), stage.Uniform(0.1, 0.45));
   stage.Add(kTrunkFlex, Deg(stage.Chance(0.1) ? stage.Uniform(10.0, 30.0) : stage.Uniform(0.0, 5.0)));
-  stage.Add(kPelvisZ, -stage.Tall(stage.Chance(0.1) ? stage.Uniform(0.02, 0.10) : stage.Uniform(0.005, 0.015)));
+  stage.Add(kPelvisZ, -stage.Tall(stage.Chance(0.1) ? stage.Uniform(0.02, 0.10) : stage.Uniform(0.0, 0.006)));
   LookAround(stage, 0.0, stage.seconds(), 3.0);
 }
 
@@ -180,7 +184,7 @@ void PerformRun(Stage& stage) {
   options.running = true;
   options.half_width = stage.Tall(stage.Uniform(0.022, 0.040));
   options.toe_out = Deg(stage.Uniform(-2.0, 10.0));
-  options.lift = stage.Uniform(0.09, 0.22);
+  options.lift = stage.Uniform(0.08, 0.18);
   options.heel_rise = Deg(stage.Uniform(40.0, 58.0));
   options.toes_up = Deg(stage.Uniform(0.0, 16.0));
   options.cadence = stage.Uniform(0.92, 1.10);
@@ -197,8 +201,8 @@ void PerformRun(Stage& stage) {
     swing.elbow[side] = stage.Uniform(0.1, 0.7);
     stage.Add(Of(kElbow, side), Deg(stage.Uniform(45.0, 80.0)));
     stage.Add(Of(kShoulderFlex, side), -Deg(stage.Uniform(5.0, 20.0)));
-    stage.Add(Of(kShoulderTwist, side), Deg(stage.Uniform(5.0, 30.0)));
-    stage.Add(Of(kShoulderAbd, side), Deg(stage.Uniform(2.0, 14.0)));
+    stage.Add(Of(kShoulderTwist, side), Deg(stage.Uniform(-8.0, 18.0)));
+    stage.Add(Of(kShoulderAbd, side), Deg(stage.Uniform(5.0, 18.0)));
   }
   const std::array<std::vector<double>, 2> busy = BusyHands(stage, 0.15);
   SwingAlong(stage, LeftFootAhead(stage), swing, busy, stage.Uniform(0.10, 0.25), stage.Uniform(0.25, 0.50));

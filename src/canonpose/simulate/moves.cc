@@ -88,10 +88,12 @@ double WalkTo(Stage& stage, double start, const Spot& spot) {
   options.half_width = stage.style().stance_half_width * stage.Uniform(0.85, 1.25);
   options.toe_out = stage.style().toe_out;
   options.heel_rise = Deg(28.0);
+  options.cadence = stage.Uniform(1.35, 1.6);
   options.from = start + 0.05;
-  options.to = start + duration + 0.7;
-  PlanSteps(stage, options);
-  return start + duration + 0.75;
+  options.to = start + duration + 2.0;
+  double end = start + duration;
+  for (const Step& step : PlanSteps(stage, options)) end = std::max(end, step.start + step.swing);
+  return end + 0.1;
 }
 
 Spot NearbySpot(Stage& stage, double radius_mm, double step_mm) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace canonpose {
 namespace {
@@ -12,7 +13,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 // A planted leg is not stretched further than this share of its length (a knee of about 9 degrees).
-constexpr double kStretch = 0.997;
+constexpr double kStretch = 0.9965;
 constexpr double kMaxKnee = Deg(148.0);
 constexpr double kMaxElbow = Deg(145.0);
 constexpr double kMinElbow = Deg(3.0);
@@ -54,7 +55,7 @@ double DistanceAt(double first, double second, double bend) {
 // A distance that two links can span with a bend from a little to `max_bend`.
 double SpannableDistance(double first, double second, double distance, double max_bend) {
   const double length = first + second;
-  return SoftClamp(distance, DistanceAt(first, second, max_bend), 0.9993 * length, 0.0025 * length);
+  return SoftClamp(distance, DistanceAt(first, second, max_bend), 0.998 * length, 0.014 * length);
 }
 
 // Frame whose z is opposite to `along` and whose x lies in the plane of `along` and `front`.
@@ -76,6 +77,7 @@ class Solver {
  public:
   explicit Solver(const Stage& stage) : stage_(stage), body_(stage.body()) { tall_ = body_.stature; }
 
+  // Everything but the arms' last rotations, which StoreArms() adds for all frames together.
   void Solve(int frame, double lowered, Vector3d& root, Quaterniond* local) {
     frame_ = static_cast<std::size_t>(frame);
     local_ = local;
@@ -85,6 +87,29 @@ class Solver {
     for (const int side : {kLeft, kRight}) SolveLeg(side);
     SolveTrunk();
     for (const int side : {kLeft, kRight}) SolveArm(side);
+  }
+
+  // Giving way is smoothed over time: an arm swerves ahead of what is in its way.
+  void StoreArms(std::vector<Quaterniond>& local) {
+    const int half = std::max(1, static_cast<int>(std::lround(0.10 * stage_.fps())));
+    std::vector<double> kernel;
+    for (int w = -half; w <= half; ++w) kernel.push_back(SmoothBump(0.5 + 0.5 * w / (half + 1.0)));
+    const double sum = std::accumulate(kernel.begin(), kernel.end(), 0.0);
+    for (const int side : {kLeft, kRight}) {
+      const std::vector<ArmLine>& lines = arms_[Body::Index(side)];
+      const int count = static_cast<int>(lines.size());
+      for (int f = 0; f < count; ++f) {
+        Vector3d upper = sum * lines[static_cast<std::size_t>(f)].upper;
+        Vector3d fore = sum * lines[static_cast<std::size_t>(f)].fore;
+        for (int w = -half; w <= half; ++w) {
+          const ArmLine& near = lines[static_cast<std::size_t>(std::clamp(f + w, 0, count - 1))];
+          upper += kernel[static_cast<std::size_t>(w + half)] * near.upper_evasion;
+          fore += kernel[static_cast<std::size_t>(w + half)] * near.fore_evasion;
+        }
+        StoreArm(lines[static_cast<std::size_t>(f)], upper.normalized(), fore.normalized(),
+                 &local[static_cast<std::size_t>(f * kBodyJointCount + ArmJoint(kBLClavicle, side))]);
+      }
+    }
   }
 
   // How far the pelvis has to come down for the planted feet to be reached.
@@ -191,6 +216,15 @@ class Solver {
     return world_from_pelvis_ * local_[hip_joint] * local_[hip_joint + 1];
   }
 
+  // How far a foot in the air would be under the ground.
+  [[nodiscard]] double Sunken(int side, const Vector3d& ankle, const Quaterniond& world_from_foot) const {
+    const std::size_t i = Body::Index(side);
+    const double height = body_.ankle_height[i];
+    const Vector3d tip = world_from_foot * Vector3d(body_.ball[i] + 0.034 * tall_, 0, -height);
+    const Vector3d heel = world_from_foot * Vector3d(-body_.heel[i], 0, -0.9 * height);
+    return SoftPositive(-(ankle.z() + std::min({tip.z(), heel.z(), -0.02 * tall_})), 20.0);
+  }
+
   void SolveLeg(int side) {
     const double free = Free(side);
     const Vector3d free_ankle = free > 0.0 ? FreeAnkle(side) : Vector3d::Zero();
@@ -207,9 +241,20 @@ class Solver {
       }
     }
     const double plantar = SoftClamp(Get(Of(kAnkle, side)), Deg(-28.0), Deg(62.0), Deg(6.0));
-    const Quaterniond planted = world_from_shank.conjugate() * foot.world_from_foot;
+    Quaterniond planted = world_from_shank.conjugate() * foot.world_from_foot;
     const int foot_joint = LegJoint(kBLFoot, side);
-    local_[foot_joint] = free <= 0.0 ? planted : planted.slerp(free, AboutY(plantar));
+    if (free <= 0.0) {
+      local_[foot_joint] = planted;
+    } else {
+      const Quaterniond in_air = planted.slerp(free, AboutY(plantar));
+      const Vector3d ankle = (1.0 - free) * foot.ankle + free * free_ankle;
+      const double sunken = MinimumJerk(free / 0.25) * Sunken(side, ankle, world_from_shank * in_air);
+      if (sunken > 0.0) {
+        world_from_shank = BendLeg(side, ankle + Vector3d(0, 0, sunken));
+        planted = world_from_shank.conjugate() * foot.world_from_foot;
+      }
+      local_[foot_joint] = planted.slerp(free, AboutY(plantar));
+    }
     local_[LegJoint(kBLToes, side)] = AboutY(-(1.0 - free) * foot.toe_bend);
   }
 
@@ -263,9 +308,10 @@ class Solver {
     const Vector3d axis = obstacle.to - obstacle.from;
     const double along = std::clamp((point - obstacle.from).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
     const Vector3d away = point - (obstacle.from + along * axis);
-    const double distance = std::max(away.norm(), 1.0);
+    const double distance = away.norm();
     const double depth = SoftPositive(obstacle.radius + thickness - distance, 0.012 * tall_);
-    if (depth > 0.0) point += away * (depth / distance);
+    // Rounded at the axis, where the way out changes sides.
+    if (depth > 0.0) point += away * (depth / std::hypot(distance, 0.015 * tall_));
   }
 
   // Elbow and wrist outside of trunk, head and thighs, the lengths kept.
@@ -291,7 +337,8 @@ class Solver {
     const Vector3d reach = target - shoulder;
     const Vector3d along = reach.normalized();
     const double distance = SpannableDistance(upper, fore, reach.norm(), kMaxElbow);
-    const Vector3d pole = elbow - shoulder;
+    // Where the elbow was, and a little down and out, which is never along a straight arm for long.
+    const Vector3d pole = (elbow - shoulder) / upper + world_from_thorax_ * Vector3d(-0.5, 0.3 * SideSign(side), -0.5);
     const Vector3d out = (pole - pole.dot(along) * along).normalized();
     const double bend = BendOf(upper, fore, distance);
     const double lean = std::atan2(fore * std::sin(bend), upper + fore * std::cos(bend));
@@ -333,24 +380,42 @@ class Solver {
     const double weight = std::clamp(Get(Of(kHandWeight, side)), 0.0, 1.0);
     if (weight > 0.0) {
       const Vector3d hand(Get(Of(kHandX, side)), Get(Of(kHandY, side)), Get(Of(kHandZ, side)));
-      BringWrist(side, shoulder, (1.0 - weight) * wrist + weight * hand, elbow, wrist);
+      Vector3d elbow_there = elbow;
+      Vector3d wrist_there = wrist;
+      BringWrist(side, shoulder, hand, elbow_there, wrist_there);
+      // Between the two by the directions of upper arm and forearm.
+      const Vector3d fore = (1.0 - weight) * (wrist - elbow) + weight * (wrist_there - elbow_there);
+      elbow = shoulder + ((1.0 - weight) * elbow + weight * elbow_there - shoulder).normalized() * body_.upper_arm[i];
+      wrist = elbow + fore.normalized() * body_.forearm[i];
     }
+    ArmLine line{
+        (elbow - shoulder).normalized(), (wrist - elbow).normalized(),        Vector3d::Zero(), Vector3d::Zero(),
+        world_from_thorax_ * clavicle,   world_from_upper * Vector3d::UnitX()};
     Evade(side, shoulder, elbow, wrist);
+    line.upper_evasion = (elbow - shoulder).normalized() - line.upper;
+    line.fore_evasion = (wrist - elbow).normalized() - line.fore;
+    arms_[i].push_back(line);
     local_[first] = clavicle;
-    StoreArm(side, (elbow - shoulder).normalized(), (wrist - elbow).normalized(), world_from_upper);
   }
 
-  // Rotations of shoulder and elbow from the directions of upper arm and forearm.
-  void StoreArm(int side, const Vector3d& upper, const Vector3d& fore, const Quaterniond& usual) {
-    const int first = ArmJoint(kBLClavicle, side);
+  // An arm in the world at one frame, and how it has to give way to the trunk.
+  struct ArmLine {
+    Vector3d upper;
+    Vector3d fore;
+    Vector3d upper_evasion;
+    Vector3d fore_evasion;
+    Quaterniond world_from_clavicle;
+    Vector3d front;  // of the elbow when the arm is straight
+  };
+
+  // Rotations of shoulder and elbow from the directions of upper arm and forearm; `local` begins at the clavicle.
+  static void StoreArm(const ArmLine& line, const Vector3d& upper, const Vector3d& fore, Quaterniond* local) {
     Vector3d front = fore - fore.dot(upper) * upper;
     const double sine = front.norm();
     // A straight arm has no plane of its own.
-    if (sine < 0.02) front = usual * Vector3d::UnitX();
-    const double bend = std::min(std::atan2(sine, fore.dot(upper)), kMaxElbow);
-    const Quaterniond world_from_upper = LimbFrame(upper, front);
-    local_[first + 1] = (world_from_thorax_ * local_[first]).conjugate() * world_from_upper;
-    local_[first + 2] = AboutY(-bend);
+    if (sine < 0.02) front = line.front;
+    local[1] = line.world_from_clavicle.conjugate() * LimbFrame(upper, front);
+    local[2] = AboutY(-std::min(std::atan2(sine, fore.dot(upper)), kMaxElbow));
   }
 
   const Stage& stage_;
@@ -363,6 +428,7 @@ class Solver {
   Vector3d thorax_;
   Quaterniond world_from_thorax_;
   std::array<Obstacle, 6> obstacles_;
+  std::array<std::vector<ArmLine>, 2> arms_;
 };
 
 // A smooth curve that is nowhere below `values`: the maximum over a window, averaged over the same window twice.
@@ -417,12 +483,13 @@ ArticulatedMotion PerformStage(const Stage& stage) {
   Solver solver(stage);
   std::vector<double> deficit(frames);
   for (std::size_t f = 0; f < frames; ++f) deficit[f] = solver.Deficit(static_cast<int>(f));
-  const int half_window = std::max(1, static_cast<int>(std::lround(0.03 * stage.fps())));
+  const int half_window = std::max(1, static_cast<int>(std::lround(0.02 * stage.fps())));
   const std::vector<double> lowered = SmoothCover(deficit, half_window);
   for (std::size_t f = 0; f < frames; ++f) {
     solver.Solve(static_cast<int>(f), lowered[f], motion.root_position_mm[f],
                  &motion.parent_from_joint[f * kBodyJointCount]);
   }
+  solver.StoreArms(motion.parent_from_joint);
   return motion;
 }
 

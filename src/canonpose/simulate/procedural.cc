@@ -1,6 +1,7 @@
 #include "canonpose/simulate/procedural.h"
 
 #include <array>
+#include <cmath>
 
 #include "canonpose/base/error.h"
 #include "canonpose/simulate/activities.h"
@@ -32,6 +33,16 @@ constexpr std::array<Entry, 10> kEntries = {{
 
 constexpr std::uint64_t kMotionStream = 0x307a;
 
+constexpr std::uint64_t kLeadStream = 0x1ead;
+
+bool Travels(Activity activity) { return activity == Activity::kRun || activity == Activity::kSki; }
+
+void DropFrames(int count, ArticulatedMotion& motion) {
+  motion.root_position_mm.erase(motion.root_position_mm.begin(), motion.root_position_mm.begin() + count);
+  motion.parent_from_joint.erase(motion.parent_from_joint.begin(),
+                                 motion.parent_from_joint.begin() + count * motion.joint_count());
+}
+
 const Entry& EntryOf(Activity activity) { return kEntries.at(static_cast<std::size_t>(activity)); }
 
 }  // namespace
@@ -59,9 +70,19 @@ Activity ParseActivity(std::string_view name) {
 ArticulatedMotion MakeProceduralMotion(const ProceduralClip& clip) {
   CANONPOSE_CHECK(clip.frames > 0 && clip.fps > 0.0, "{} frames at {} frames a second", clip.frames, clip.fps);
   const Rng rng(clip.motion_seed, {kMotionStream, static_cast<std::uint64_t>(clip.activity)});
-  Stage stage(MakeBody(clip.subject_seed), clip.fps, clip.frames, rng);
+  // Clips begin in the middle of what is going on: the first steps of a runner who stands are not part of it.
+  Rng lead_rng(clip.motion_seed, {kLeadStream});
+  const int lead = static_cast<int>(std::lround(lead_rng.Uniform(1.0, 3.5) * clip.fps));
+  Stage stage(MakeBody(clip.subject_seed), clip.fps, lead + clip.frames, rng);
   EntryOf(clip.activity).perform(stage);
   ArticulatedMotion motion = PerformStage(stage);
+  DropFrames(lead, motion);
+  if (Travels(clip.activity)) {
+    Eigen::Vector3d start = motion.root_position_mm.front();
+    // Skiers come down as they go; their slope passes through the origin.
+    start.z() = clip.activity == Activity::kSki ? start.z() - stage.body().standing_hip_height() * 0.75 : 0.0;
+    for (Eigen::Vector3d& position : motion.root_position_mm) position -= start;
+  }
   motion.name = clip.name;
   motion.subject = clip.subject;
   return motion;

@@ -7,6 +7,7 @@
 
 #include "canonpose/base/testing.h"
 #include "canonpose/geometry/camera.h"
+#include "canonpose/simulate/statistics.h"
 
 namespace canonpose {
 namespace {
@@ -149,6 +150,63 @@ TEST(Simulator, ALayoutIsMappedAsImportDoes) {
   const auto thigh = static_cast<std::size_t>(simulator.skeleton().Find("LHip").value());
   const auto other = static_cast<std::size_t>(simulator.skeleton().Find("RHip").value());
   EXPECT_NEAR(view.truth[3 * hip], (view.truth[3 * thigh] + view.truth[3 * other]) / 2, 1e-2);
+}
+
+class DetectorOnPeople : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(DetectorOnPeople, ErrsAsModernOnesDo) {
+  SimulationOptions options = Small(GetParam());
+  options.activities = AllActivities();
+  options.subjects = 3;
+  options.seconds = 8.0;
+  options.fps = 25.0;
+  const Simulator simulator(options);
+  DetectorStatistics statistics(simulator.layout());
+  ClipStream clips(simulator, 2);
+  while (const std::optional<SimulatedClip> clip = clips.Next()) {
+    for (std::size_t c = 0; c < clip->cameras.size(); ++c) {
+      statistics.Add(clip->track, clip->cameras[c], clip->detections[c]);
+    }
+  }
+  const double median = statistics.Percentile(-1, 50);
+  EXPECT_GT(median, 1.0);
+  EXPECT_LT(median, 1.5);
+  // A heavy tail: a normal error's 99th percentile (Rayleigh) is 2.6 times its median.
+  EXPECT_GT(statistics.Percentile(-1, 99), 6.0 * median);
+  EXPECT_GT(statistics.Percentile(-1, 95), 4.0);
+  EXPECT_LT(statistics.Percentile(-1, 95), 9.0);
+  const Skeleton& skeleton = simulator.skeleton();
+  EXPECT_GT(statistics.Percentile(*skeleton.Find("LWrist"), 50),
+            1.3 * statistics.Percentile(*skeleton.Find("LHip"), 50));
+  EXPECT_GT(statistics.ConfidenceAuc(), 0.70);
+  EXPECT_LT(statistics.ConfidenceAuc(), 0.80);
+  EXPECT_LT(statistics.ConfidenceCorrelation(), -0.3);
+  EXPECT_GT(statistics.Share(kSwapped), 0.004);
+  EXPECT_LT(statistics.Share(kSwapped), 0.03);
+  EXPECT_GT(statistics.Share(kOccluded), 0.05);
+  EXPECT_LT(statistics.Share(kMissed), 0.05);
+  EXPECT_LT(statistics.Share(kOutsideImage), 0.08) << "people leave the picture";
+}
+
+INSTANTIATE_TEST_SUITE_P(Rigs, DetectorOnPeople, ::testing::Values("studio", "ring", "ptz", "handheld"));
+
+TEST(Simulator, MotionCaptureIsThinnedOutAndKeepsItsLimbs) {
+  CANONPOSE_SKIP_WITHOUT_SHARED("data/cmu");
+  SimulationOptions options = Small();
+  options.motion_files = {testing::Shared("data/cmu/02/02_01.amc")};
+  options.fps = 30.0;
+  const SimulatedClip clip = Simulator(options).Make(0);
+  EXPECT_EQ(clip.sequence.name, "02_01");
+  EXPECT_EQ(clip.sequence.subject, "02");
+  EXPECT_EQ(clip.sequence.fps, 30.0);
+  options.fps = 0.0;
+  const SimulatedClip full = Simulator(options).Make(0);
+  EXPECT_EQ(full.sequence.fps, 120.0);
+  EXPECT_EQ(clip.sequence.frame_count, (full.sequence.frame_count + 3) / 4);
+  for (int t = 0; t < clip.track.frame_count(); ++t) {
+    const double thigh = (clip.track.At(t, kLHip) - clip.track.At(t, kLKnee)).norm();
+    ASSERT_NEAR(thigh, (full.track.At(0, kLHip) - full.track.At(0, kLKnee)).norm(), 1.0);
+  }
 }
 
 TEST(Simulator, NumbersOutOfRangeAreBadInput) {

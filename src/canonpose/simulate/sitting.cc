@@ -147,8 +147,8 @@ GroundSeat RandomGroundSeat(Stage& stage) {
   const double pitch = Deg(stage.Uniform(-25.0, 2.0));
   if (chance < 0.35) {
     // Tailor's seat.
-    const LegPose leg{Deg(62.0), Deg(14.0), Deg(stage.Uniform(112.0, 126.0)), Deg(25.0), Deg(60.0)};
-    return {leg, {leg.flex + Deg(5.0), leg.abd, leg.knee + Deg(6.0), leg.ankle, leg.twist}, pitch, Deg(25.0)};
+    const LegPose leg{Deg(86.0), Deg(6.0), Deg(stage.Uniform(108.0, 124.0)), Deg(25.0), Deg(62.0)};
+    return {leg, {leg.flex, leg.abd + Deg(4.0), leg.knee - Deg(16.0), leg.ankle, leg.twist}, pitch, Deg(25.0)};
   }
   // Straight legs, one of them bent now and then.
   const double spread = Deg(stage.Uniform(3.0, 28.0));
@@ -183,7 +183,7 @@ double SitOnGround(Stage& stage, double t) {
   const double until = t + stage.Uniform(3.0, 8.0);
   GroundSeat seat = RandomGroundSeat(stage);
   for (const int side : {kLeft, kRight}) {
-    stage.MoveTo(Of(kLegFlex, side), t - 0.03, 0.03, Deg(72.0) + stage.Final(kPelvisPitch));
+    stage.MoveTo(Of(kLegFlex, side), t - 0.03, 0.03, Deg(86.0) + stage.Final(kPelvisPitch));
     stage.MoveTo(Of(kKnee, side), t - 0.03, 0.03, Deg(110.0));
     stage.MoveTo(Of(kFree, side), t, 0.6, 1.0);
   }
@@ -202,7 +202,7 @@ double SitOnGround(Stage& stage, double t) {
   t = until;
   stage.MoveTo(kTrunkTwist, t, 0.8, 0.0);
   for (const int side : {kLeft, kRight}) {
-    MoveLeg(stage, side, t, 0.8, {Deg(72.0), Deg(4.0), Deg(112.0), Deg(5.0)});
+    MoveLeg(stage, side, t, 0.8, {Deg(86.0) + stage.Final(kPelvisPitch), Deg(4.0), Deg(108.0), Deg(5.0)});
     stage.MoveTo(Of(kFree, side), t + 0.4, 0.6, 0.0);
     stage.MoveTo(Of(kLegTwist, side), t, 0.8, 0.0);
     MoveArm(stage, side, t + 0.3, 1.0, AnglesOf(stage, ArmPose::kForward));

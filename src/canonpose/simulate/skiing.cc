@@ -36,12 +36,12 @@ SkierStyle MakeSkier(Stage& stage) {
   skier.slope = Deg(stage.Uniform(10.0, 27.0));
   skier.heading = stage.Uniform(-kPi, kPi);
   skier.turn_seconds = stage.Uniform(1.05, 1.9);
-  skier.inclination = Deg(stage.Uniform(38.0, 61.0));
-  skier.stretch = stage.Uniform(0.76, 0.85);
+  skier.inclination = Deg(stage.Uniform(36.0, 56.0));
+  skier.stretch = stage.Uniform(0.74, 0.83);
   skier.stretch_range = stage.Uniform(0.0, 0.035);
   skier.stretch_phase = stage.Uniform(-0.6, 0.6);
-  skier.crouch_pitch = Deg(stage.Uniform(8.0, 26.0));
-  skier.crouch_flex = Deg(stage.Uniform(22.0, 48.0));
+  skier.crouch_pitch = Deg(stage.Uniform(2.0, 18.0));
+  skier.crouch_flex = Deg(stage.Uniform(12.0, 40.0));
   skier.angulation = stage.Uniform(0.35, 0.7);
   skier.facing = stage.Uniform(0.2, 0.6);
   skier.width = stage.Tall(stage.Uniform(0.13, 0.20));
@@ -59,7 +59,7 @@ struct Angles {
 Angles AnglesOf(const Matrix3d& world_from_body) {
   const Vector3d front = world_from_body.col(0);
   const double pitch = std::asin(std::clamp(-front.z(), -1.0, 1.0));
-  const double roll = -std::asin(std::clamp(world_from_body(2, 1) / std::cos(pitch), -1.0, 1.0));
+  const double roll = -std::atan2(world_from_body(2, 1), world_from_body(2, 2));
   return {std::atan2(front.y(), front.x()), pitch, roll};
 }
 
@@ -83,15 +83,15 @@ class Skier {
     const double rate = kPi / skier_.turn_seconds;
     // Sideways amplitude for which the largest turn asks for the largest inclination.
     const double amplitude = kGravity * std::cos(skier_.slope) * std::tan(skier_.inclination) / (rate * rate);
-    const double speed = amplitude * rate * stage_.Uniform(1.35, 2.0);
+    const double speed = amplitude * rate * stage_.Uniform(1.6, 2.2);
     double phase = phase_;
     double down = 0.0;
     const double start = amplitude * std::sin(phase);
     const double dt = 1.0 / stage_.fps();
     for (int f = 0; f < stage_.frames(); ++f) {
       const double t = f * dt;
-      const double own_rate = rate * (1.0 + 0.16 * std::sin(2 * kPi * slow_[0] * t + slow_[1]));
-      const double size = 1.0 + 0.22 * std::sin(2 * kPi * slow_[2] * t + slow_[3]);
+      const double own_rate = rate * (1.0 + 0.10 * std::sin(2 * kPi * slow_[0] * t + slow_[1]));
+      const double size = 1.0 + 0.15 * std::sin(2 * kPi * slow_[2] * t + slow_[3]);
       const double across_speed = amplitude * size * own_rate * std::cos(phase);
       const double down_speed = std::sqrt(std::max(speed * speed - across_speed * across_speed, 0.1 * speed * speed));
       Turn turn;
@@ -101,7 +101,7 @@ class Skier {
       turn.front = (down_speed * downhill + Vector3d(0, across_speed, 0)).normalized();
       const double press = amplitude * size * own_rate * own_rate * std::sin(phase);
       turn.lean = -std::atan2(press, kGravity * std::cos(skier_.slope));
-      turn.lean = std::clamp(turn.lean, -Deg(64.0), Deg(64.0));
+      turn.lean /= std::pow(1.0 + std::pow(turn.lean / Deg(62.0), 8.0), 1.0 / 8.0);
       Write(f, turn, phase);
       phase += dt * own_rate;
       down += dt * down_speed;
@@ -123,8 +123,8 @@ class Skier {
     // The legs' axis, leaning to the inside.
     const Vector3d up = std::cos(turn.lean) * turn.normal + std::sin(turn.lean) * left;
     const double cosine = std::cos(2.0 * phase + skier_.stretch_phase);
-    const double stretch = skier_.stretch - skier_.stretch_range * cosine;
     const double inside = std::sin(turn.lean);
+    const double stretch = skier_.stretch - skier_.stretch_range * cosine - 0.08 * inside * inside;
     const Vector3d pelvis = turn.place + up * (stretch * body.leg(kLeft) + body.ankle_height[kLeft]) -
                             turn.front * stage_.Tall(0.045) - left * (inside * stage_.Tall(0.02));
     PutPlace(kPelvisX, kPelvisY, frame, pelvis);

@@ -149,7 +149,7 @@ void StandNaturally(Stage& stage) {
   const double n = style.noise;
   stage.Add(kTrunkFlex, style.trunk_lean);
   stage.Add(kNeckFlex, style.head_pitch - 0.5 * style.trunk_lean);
-  stage.Add(kPelvisZ, -stage.Tall(stage.Uniform(0.004, 0.015)));
+  stage.Add(kPelvisZ, -stage.Tall(stage.Uniform(0.003, 0.011)));
   for (const int channel : {kTrunkFlex, kTrunkSide, kTrunkTwist}) stage.Waver(channel, Deg(1.6) * n, 0.9);
   for (const int channel : {kNeckFlex, kNeckSide}) stage.Waver(channel, Deg(2.2) * n, 0.9);
   stage.Waver(kNeckTwist, Deg(4.0) * n, 0.7);

@@ -70,7 +70,7 @@ class Planner {
     step.side = side;
     step.start = t;
     step.interval = 1.0 / (rate * options_.cadence);
-    step.swing = step.interval * (options_.running ? std::clamp(1.30 + 0.055 * (metres - 2.2), 1.25, 1.5) : 0.80);
+    step.swing = step.interval * (options_.running ? std::clamp(1.63 + 0.04 * (metres - 2.2), 1.60, 1.74) : 0.80);
     step.speed = velocity;
     return step;
   }
@@ -80,7 +80,7 @@ class Planner {
     const double end = step.start + 2 * step.interval;
     const double landing = step.start + step.swing;
     // A little more of the stance lies behind the body: there the heel rises.
-    const Place pelvis = PelvisAt(landing + 0.44 * (end - landing));
+    const Place pelvis = PelvisAt(landing + 0.42 * (end - landing));
     const double sign = SideSign(step.side);
     Place place;
     place.yaw = pelvis.yaw + sign * options_.toe_out;

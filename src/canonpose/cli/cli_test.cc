@@ -153,7 +153,7 @@ TEST(Program, UsageMistakesExitWithTwo) {
 TEST(Program, EveryCommandHasHelp) {
   EXPECT_EQ(Execute({"--help"}).exit_code, 0);
   EXPECT_EQ(Execute({"--version"}).exit_code, 0);
-  for (const char* command : {"import", "train", "evaluate", "lift", "info"}) {
+  for (const char* command : {"import", "simulate", "train", "evaluate", "lift", "info"}) {
     const Outcome outcome = Execute({command, "--help"});
     EXPECT_EQ(outcome.exit_code, 0) << command;
     EXPECT_THAT(outcome.output, HasSubstr("--")) << command;

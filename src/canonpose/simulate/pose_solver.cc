@@ -319,14 +319,20 @@ class Solver {
     const std::size_t i = Body::Index(side);
     for (int round = 0; round < 4; ++round) {
       for (std::size_t o = 0; o < 4; ++o) PushOut(obstacles_[o], 0.010 * tall_, elbow);
+      KeepAboveGround(elbow);
       elbow = shoulder + (elbow - shoulder).normalized() * body_.upper_arm[i];
       Vector3d middle = 0.5 * (elbow + wrist);
       const Vector3d before = middle;
       for (std::size_t o = 0; o < 4; ++o) PushOut(obstacles_[o], 0.010 * tall_, middle);
       wrist += 2.0 * (middle - before);
       for (const Obstacle& obstacle : obstacles_) PushOut(obstacle, 0.012 * tall_, wrist);
+      KeepAboveGround(wrist);
       wrist = elbow + (wrist - elbow).normalized() * body_.forearm[i];
     }
+  }
+
+  void KeepAboveGround(Vector3d& point) const {
+    if (!stage_.boots()) point.z() += SoftPositive(0.02 * tall_ - point.z(), 0.012 * tall_);
   }
 
   // Bends the elbow so that the wrist is at a place, the elbow staying on the side where it was.

@@ -34,6 +34,28 @@ double SmoothBump(double s) {
   return x * x * x;
 }
 
+std::vector<double> SmoothCover(const std::vector<double>& values, int half_window) {
+  const int count = static_cast<int>(values.size());
+  std::vector<double> cover(values.size());
+  const auto at = [&](const std::vector<double>& v, int f) {
+    return v[static_cast<std::size_t>(std::clamp(f, 0, count - 1))];
+  };
+  for (int f = 0; f < count; ++f) {
+    double highest = 0.0;
+    for (int w = -2 * half_window; w <= 2 * half_window; ++w) highest = std::max(highest, at(values, f + w));
+    cover[static_cast<std::size_t>(f)] = highest;
+  }
+  for (int pass = 0; pass < 2; ++pass) {
+    const std::vector<double> before = cover;
+    for (int f = 0; f < count; ++f) {
+      double sum = 0.0;
+      for (int w = -half_window; w <= half_window; ++w) sum += at(before, f + w);
+      cover[static_cast<std::size_t>(f)] = sum / (2 * half_window + 1);
+    }
+  }
+  return cover;
+}
+
 Stage::Stage(const Body& body, double fps, int frames, Rng rng)
     : body_(body), fps_(fps), frames_(frames), rng_(std::move(rng)) {
   for (std::vector<double>& channel : values_) channel.assign(static_cast<std::size_t>(frames), 0.0);

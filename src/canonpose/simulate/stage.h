@@ -68,6 +68,9 @@ double MinimumJerk(double s);
 /// 0 to 1 and back to 0, smooth like MinimumJerk(); the top is at 0.5.
 double SmoothBump(double s);
 
+/// A smooth curve that is nowhere below `values`: the maximum over a window, averaged over the same window twice.
+std::vector<double> SmoothCover(const std::vector<double>& values, int half_window);
+
 /// Position, velocity and acceleration of a channel at a time, for Quintic().
 struct Knot {
   double time;

@@ -63,11 +63,11 @@ ArmAngles RandomArm(Stage& stage) {
   ArmAngles angles{};
   // Directions spread over the sphere rather than over the angles: few straight up or down.
   const double raised = std::acos(stage.Uniform(-0.97, 0.98));
-  const double plane = Deg(stage.Uniform(-35.0, 125.0));
+  const double plane = Deg(stage.Uniform(-42.0, 128.0));
   angles.flex = raised * std::cos(plane);
   angles.abd = raised * std::sin(plane);
   angles.twist = Deg(stage.Uniform(-75.0, 80.0));
-  angles.elbow = stage.Chance(0.35) ? Deg(stage.Uniform(4.0, 35.0)) : Deg(stage.Uniform(20.0, 135.0));
+  angles.elbow = stage.Chance(0.25) ? Deg(stage.Uniform(4.0, 35.0)) : Deg(stage.Uniform(30.0, 138.0));
   return angles;
 }
 

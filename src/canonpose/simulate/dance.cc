@@ -58,8 +58,8 @@ double BendTrunk(Stage& stage, double t) {
   } else if (chance < 0.50) {
     // Back.
     stage.MoveTo(kSurge, t, beat, stage.Tall(0.03));
-    TrunkTo(stage, t, beat, Deg(stage.Uniform(-14.0, 0.0)), -Deg(stage.Uniform(10.0, 34.0)), 0.0,
-            Deg(stage.Uniform(-15.0, 15.0)));
+    TrunkTo(stage, t, beat, Deg(stage.Uniform(-28.0, 0.0)), -Deg(stage.Uniform(10.0, 42.0)),
+            Deg(stage.Uniform(-12.0, 12.0)), Deg(stage.Uniform(-18.0, 18.0)));
   } else {
     const double side = Deg(stage.Uniform(-36.0, 36.0));
     TrunkTo(stage, t, beat, Deg(stage.Uniform(-8.0, 18.0)), Deg(stage.Uniform(-15.0, 28.0)), side,
@@ -244,6 +244,32 @@ double Leap(Stage& stage, double t) {
   return DoJump(stage, t, jump);
 }
 
+// As on a ladder: one hand high and the other knee up, by turns.
+double Climb(Stage& stage, double t) {
+  int side = stage.RandomSide();
+  const int count = 2 + static_cast<int>(stage.rng().Index(4));
+  const double lean = Deg(stage.Uniform(-20.0, 25.0));
+  stage.MoveTo(kPelvisPitch, t, 0.6, lean);
+  for (int i = 0; i < count; ++i) {
+    const double up = stage.Beat(0.6);
+    LiftLeg(stage, side, t + 0.15, up,
+            {Deg(stage.Uniform(25.0, 62.0)), Deg(stage.Uniform(0.0, 18.0)), Deg(stage.Uniform(60.0, 115.0)), Deg(5.0)});
+    ArmAngles high = AnglesOf(stage, stage.Chance(0.6) ? ArmPose::kOverhead : ArmPose::kUpDiagonal);
+    high.elbow += Deg(stage.Uniform(0.0, 50.0));
+    MoveArm(stage, 1 - side, t + 0.1, up, high);
+    MoveArm(stage, side, t + 0.1, up,
+            {Deg(stage.Uniform(30.0, 100.0)), Deg(stage.Uniform(5.0, 40.0)), Deg(stage.Uniform(-20.0, 30.0)),
+             Deg(stage.Uniform(60.0, 125.0))});
+    stage.MoveTo(kTrunkSide, t, up, SideSign(side) * Deg(stage.Uniform(4.0, 20.0)));
+    stage.MoveTo(kNeckFlex, t, up, -Deg(stage.Uniform(5.0, 40.0)));
+    t += 0.15 + up;
+    LowerLeg(stage, side, t, stage.Beat(0.5));
+    t += 0.75;
+    side = 1 - side;
+  }
+  return Upright(stage, t);
+}
+
 double StepAbout(Stage& stage, double t) {
   Spot spot = NearbySpot(stage, 1400.0, 800.0);
   if (stage.Chance(0.35)) spot.yaw = stage.Final(kPelvisYaw) + Deg(170.0) * SideSign(stage.RandomSide());
@@ -263,7 +289,9 @@ void PerformDance(Stage& stage) {
       t = BendTrunk(stage, t);
       if (stage.Chance(0.4)) t = BendTrunk(stage, t);
       t = Upright(stage, t);
-    } else if (chance < 0.44) {
+    } else if (chance < 0.32) {
+      t = Climb(stage, t);
+    } else if (chance < 0.46) {
       t = BalanceOnOne(stage, t);
     } else if (chance < 0.53) {
       t = KickSeveral(stage, t);

@@ -238,6 +238,74 @@ double DoKneel(Stage& stage, double t) {
   return t + 1.7;
 }
 
+// Knee under the hip and shank on the floor, seen from a pelvis pitched forward.
+LegPose KneelingLeg(double pitch) { return {pitch - Deg(45.0), Deg(3.0), Deg(90.0), Deg(55.0)}; }
+
+// On hands and knees: an arm or a leg is stretched out, the back bends and arches.
+double MoveOnAllFours(Stage& stage, double t, double until, double pitch) {
+  while (t < until) {
+    const double beat = stage.Beat(1.0);
+    const double hold = stage.Uniform(0.2, 1.0);
+    const int side = stage.RandomSide();
+    const bool arm = stage.Chance(0.6);
+    const bool leg = stage.Chance(0.6);
+    stage.MoveTo(kTrunkFlex, t, beat, Deg(stage.Uniform(-22.0, 30.0)));
+    stage.MoveTo(kNeckFlex, t, beat, Deg(stage.Uniform(-50.0, 10.0)));
+    if (arm) {
+      const ArmAngles angles =
+          stage.Chance(0.6) ? ArmAngles{Deg(stage.Uniform(120.0, 165.0)), Deg(10.0), 0.0, Deg(12.0)} : RandomArm(stage);
+      MoveArm(stage, side, t, beat, angles);
+      stage.MoveTo(Of(kHandWeight, side), t, beat, 0.0);
+      stage.MoveTo(Of(kHandWeight, side), t + beat + hold, beat, 1.0);
+      MoveArm(stage, side, t + beat + hold, beat, AnglesOf(stage, ArmPose::kForward));
+    }
+    if (leg) {
+      const LegPose back{pitch - Deg(stage.Uniform(70.0, 92.0)), Deg(4.0), Deg(stage.Uniform(5.0, 60.0)), Deg(30.0)};
+      MoveLeg(stage, 1 - side, t, beat, back);
+      MoveLeg(stage, 1 - side, t + beat + hold, beat, KneelingLeg(pitch));
+    }
+    t += arm || leg ? 2.0 * beat + hold + 0.1 : beat;
+  }
+  return t;
+}
+
+double DoAllFours(Stage& stage, double t) {
+  const double down = stage.Beat(1.6);
+  const double pitch = Deg(stage.Uniform(66.0, 82.0));
+  const double home = stage.Final(kPelvisZ);
+  const double ahead = stage.Tall(0.12);
+  const Spot spot = FinalSpot(stage);
+  const double height = stage.body().thigh[kLeft] + stage.Tall(0.04) - stage.body().standing_hip_height();
+  stage.MoveTo(kPelvisZ, t, down, height);
+  stage.MoveTo(kSurge, t + 0.3 * down, 0.7 * down, ahead);
+  BendTrunk(stage, t, down, pitch, Deg(5.0));
+  for (const int side : {kLeft, kRight}) {
+    const double reach = ahead + 0.95 * stage.body().trunk * std::sin(pitch);
+    const double across = SideSign(side) * stage.Tall(stage.Uniform(0.09, 0.13));
+    stage.MoveTo(Of(kHandX, side), t - 0.03, 0.02, spot.x + std::cos(spot.yaw) * reach - std::sin(spot.yaw) * across);
+    stage.MoveTo(Of(kHandY, side), t - 0.03, 0.02, spot.y + std::sin(spot.yaw) * reach + std::cos(spot.yaw) * across);
+    stage.MoveTo(Of(kHandZ, side), t - 0.03, 0.02, stage.Tall(0.035));
+    MoveArm(stage, side, t, 0.8 * down, AnglesOf(stage, ArmPose::kForward));
+    stage.MoveTo(Of(kHandWeight, side), t, down, 1.0);
+    MoveLeg(stage, side, t - 0.03, 0.03, {Deg(10.0), Deg(3.0), Deg(60.0), Deg(5.0)});
+    stage.MoveTo(Of(kFree, side), t + 0.35 * down, 0.6 * down, 1.0);
+    MoveLeg(stage, side, t, down, KneelingLeg(pitch));
+  }
+  t = MoveOnAllFours(stage, t + down + 0.2, t + down + stage.Uniform(2.0, 6.0), pitch);
+  const double up = stage.Beat(1.8);
+  for (const int side : {kLeft, kRight}) {
+    MoveLeg(stage, side, t, 0.8 * up, {Deg(30.0), Deg(3.0), Deg(80.0), Deg(5.0)});
+    stage.MoveTo(Of(kFree, side), t + 0.1 * up, 0.6 * up, 0.0);
+    stage.MoveTo(Of(kLegTwist, side), t, up, 0.0);
+    stage.MoveTo(Of(kHandWeight, side), t + 0.25 * up, 0.6 * up, 0.0);
+    MoveArm(stage, side, t + 0.3 * up, 0.8 * up, HangingArm(stage));
+  }
+  stage.MoveTo(kSurge, t, 0.7 * up, 0.0);
+  stage.MoveTo(kPelvisZ, t + 0.35 * up, 0.75 * up, home);
+  BendTrunk(stage, t + 0.3 * up, 0.8 * up, 0.0, 0.0);
+  return t + 1.15 * up;
+}
+
 }  // namespace
 
 void PerformJump(Stage& stage) {
@@ -277,8 +345,10 @@ void PerformSquat(Stage& stage) {
     const double chance = i == 0 ? 0.0 : stage.Uniform(0.0, 1.0);
     if (chance < 0.5) {
       t = DoSquat(stage, t);
-    } else if (chance < 0.82) {
+    } else if (chance < 0.76) {
       t = DoLunge(stage, t);
+    } else if (chance < 0.88) {
+      t = DoAllFours(stage, t);
     } else {
       t = DoKneel(stage, t);
     }

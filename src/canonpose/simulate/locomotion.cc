@@ -171,8 +171,8 @@ void PerformGait(Stage& stage) {
   }
   const std::array<std::vector<double>, 2> busy = BusyHands(stage, 0.4);
   SwingAlong(stage, LeftFootAhead(stage), swing, busy, stage.Uniform(0.08, 0.28), stage.Uniform(0.1, 0.45));
-  stage.Add(kTrunkFlex, Deg(stage.Chance(0.1) ? stage.Uniform(10.0, 30.0) : stage.Uniform(0.0, 5.0)));
-  stage.Add(kPelvisZ, -stage.Tall(stage.Chance(0.1) ? stage.Uniform(0.02, 0.10) : stage.Uniform(0.0, 0.006)));
+  stage.Add(kTrunkFlex, Deg(stage.Chance(0.1) ? stage.Uniform(10.0, 30.0) : stage.Uniform(-3.0, 3.0)));
+  stage.Add(kPelvisZ, -stage.Tall(stage.Chance(0.1) ? stage.Uniform(0.02, 0.10) : stage.Uniform(0.0, 0.003)));
   LookAround(stage, 0.0, stage.seconds(), 3.0);
 }
 

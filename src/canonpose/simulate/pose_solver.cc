@@ -319,14 +319,20 @@ class Solver {
     const std::size_t i = Body::Index(side);
     for (int round = 0; round < 4; ++round) {
       for (std::size_t o = 0; o < 4; ++o) PushOut(obstacles_[o], 0.010 * tall_, elbow);
+      KeepAboveGround(elbow);
       elbow = shoulder + (elbow - shoulder).normalized() * body_.upper_arm[i];
       Vector3d middle = 0.5 * (elbow + wrist);
       const Vector3d before = middle;
       for (std::size_t o = 0; o < 4; ++o) PushOut(obstacles_[o], 0.010 * tall_, middle);
       wrist += 2.0 * (middle - before);
       for (const Obstacle& obstacle : obstacles_) PushOut(obstacle, 0.012 * tall_, wrist);
+      KeepAboveGround(wrist);
       wrist = elbow + (wrist - elbow).normalized() * body_.forearm[i];
     }
+  }
+
+  void KeepAboveGround(Vector3d& point) const {
+    if (!stage_.boots()) point.z() += SoftPositive(0.02 * tall_ - point.z(), 0.012 * tall_);
   }
 
   // Bends the elbow so that the wrist is at a place, the elbow staying on the side where it was.
@@ -392,8 +398,8 @@ class Solver {
         (elbow - shoulder).normalized(), (wrist - elbow).normalized(),        Vector3d::Zero(), Vector3d::Zero(),
         world_from_thorax_ * clavicle,   world_from_upper * Vector3d::UnitX()};
     Evade(side, shoulder, elbow, wrist);
-    line.upper_evasion = (elbow - shoulder).normalized() - line.upper;
-    line.fore_evasion = (wrist - elbow).normalized() - line.fore;
+    line.upper_evasion = Bounded((elbow - shoulder).normalized() - line.upper);
+    line.fore_evasion = Bounded((wrist - elbow).normalized() - line.fore);
     arms_[i].push_back(line);
     local_[first] = clavicle;
   }
@@ -408,14 +414,18 @@ class Solver {
     Vector3d front;  // of the elbow when the arm is straight
   };
 
+  // Shorter than a unit direction, so that adding it never leaves no direction at all.
+  static Vector3d Bounded(const Vector3d& evasion) { return evasion / std::sqrt(1.0 + evasion.squaredNorm() / 0.72); }
+
   // Rotations of shoulder and elbow from the directions of upper arm and forearm; `local` begins at the clavicle.
   static void StoreArm(const ArmLine& line, const Vector3d& upper, const Vector3d& fore, Quaterniond* local) {
     Vector3d front = fore - fore.dot(upper) * upper;
-    const double sine = front.norm();
-    // A straight arm has no plane of its own.
-    if (sine < 0.02) front = line.front;
+    const double bend = std::atan2(front.norm(), fore.dot(upper));
+    // A straight arm has no plane of its own, nor has one folded flat.
+    const double flat = SoftPositive(-fore.dot(upper) - 0.75, 0.1);
+    front = bend < 1e-5 ? line.front : Vector3d(front + 2.5 * flat * line.front);
     local[1] = line.world_from_clavicle.conjugate() * LimbFrame(upper, front);
-    local[2] = AboutY(-std::min(std::atan2(sine, fore.dot(upper)), kMaxElbow));
+    local[2] = AboutY(-(bend - SoftPositive(bend - kMaxElbow + Deg(2.0), Deg(4.0))));
   }
 
   const Stage& stage_;
@@ -430,29 +440,6 @@ class Solver {
   std::array<Obstacle, 6> obstacles_;
   std::array<std::vector<ArmLine>, 2> arms_;
 };
-
-// A smooth curve that is nowhere below `values`: the maximum over a window, averaged over the same window twice.
-std::vector<double> SmoothCover(const std::vector<double>& values, int half_window) {
-  const int count = static_cast<int>(values.size());
-  std::vector<double> cover(values.size());
-  const auto at = [&](const std::vector<double>& v, int f) {
-    return v[static_cast<std::size_t>(std::clamp(f, 0, count - 1))];
-  };
-  for (int f = 0; f < count; ++f) {
-    double highest = 0.0;
-    for (int w = -2 * half_window; w <= 2 * half_window; ++w) highest = std::max(highest, at(values, f + w));
-    cover[static_cast<std::size_t>(f)] = highest;
-  }
-  for (int pass = 0; pass < 2; ++pass) {
-    const std::vector<double> before = cover;
-    for (int f = 0; f < count; ++f) {
-      double sum = 0.0;
-      for (int w = -half_window; w <= half_window; ++w) sum += at(before, f + w);
-      cover[static_cast<std::size_t>(f)] = sum / (2 * half_window + 1);
-    }
-  }
-  return cover;
-}
 
 }  // namespace
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <string>
 
 #include "canonpose/base/error.h"
 #include "canonpose/simulate/activities.h"
@@ -43,6 +44,16 @@ void DropFrames(int count, ArticulatedMotion& motion) {
                                  motion.parent_from_joint.begin() + count * motion.joint_count());
 }
 
+// Turns the whole clip about the vertical through the origin.
+void Turn(double angle, ArticulatedMotion& motion) {
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()));
+  for (std::size_t f = 0; f < motion.root_position_mm.size(); ++f) {
+    motion.root_position_mm[f] = turn * motion.root_position_mm[f];
+    Eigen::Quaterniond& root = motion.parent_from_joint[f * motion.joints.size()];
+    root = turn * root;
+  }
+}
+
 const Entry& EntryOf(Activity activity) { return kEntries.at(static_cast<std::size_t>(activity)); }
 
 }  // namespace
@@ -77,6 +88,7 @@ ArticulatedMotion MakeProceduralMotion(const ProceduralClip& clip) {
   EntryOf(clip.activity).perform(stage);
   ArticulatedMotion motion = PerformStage(stage);
   DropFrames(lead, motion);
+  Turn(lead_rng.Uniform(-kPi, kPi), motion);
   if (Travels(clip.activity)) {
     Eigen::Vector3d start = motion.root_position_mm.front();
     // Skiers come down as they go; their slope passes through the origin.

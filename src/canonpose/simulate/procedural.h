@@ -30,9 +30,11 @@ struct ProceduralClip {
   std::string subject;
 };
 
-/// The motion of a clip; the same bits for the same clip. Joints are named as the landmarks are (some have none), so
-/// that MakeLandmarkTrack() finds them. The root starts near the origin, on the ground z = 0 (a skier: on the slope
-/// through it).
+/// The motion of a clip; the same bits for the same clip. Joints are those of body.h, named as the landmarks are (the
+/// articulations Lumbar, Neck, LClavicle, RClavicle, LToes and RToes are none), so that MakeLandmarkTrack() finds them.
+/// The person looks anywhere and is in the middle of what it does. The ground is z = 0 and the root stays within about
+/// two metres of the origin (walkers within about three); a runner starts above the origin, a skier on a slope through
+/// it, and both travel on.
 ArticulatedMotion MakeProceduralMotion(const ProceduralClip& clip);
 
 }  // namespace canonpose

@@ -165,6 +165,37 @@ LegPose OnGround(LegPose pose, double pitch) {
   return pose;
 }
 
+// Down on the back from the ground, arms and legs moving, and up to the seat again.
+double LieDown(Stage& stage, double t) {
+  const double down = stage.Beat(1.6);
+  const double pitch = -Deg(stage.Uniform(74.0, 84.0));
+  Lean(stage, t, down, pitch, Deg(stage.Uniform(0.0, 8.0)));
+  stage.MoveTo(kNeckFlex, t, down, Deg(stage.Uniform(-5.0, 25.0)));
+  const double until = t + down + stage.Uniform(2.0, 6.0);
+  for (double g = t; g < until - 1.2;) {
+    const double duration = g > t ? stage.Beat(1.1) : down;
+    for (const int side : {kLeft, kRight}) {
+      const double bent = stage.Chance(0.5) ? Deg(stage.Uniform(50.0, 110.0)) : Deg(stage.Uniform(5.0, 30.0));
+      const double raised = stage.Chance(0.25) ? Deg(stage.Uniform(10.0, 75.0)) : 0.0;
+      MoveLeg(
+          stage, side, g, duration,
+          {Deg(88.0) + pitch + raised, Deg(stage.Uniform(2.0, 22.0)), bent, Deg(25.0), Deg(stage.Uniform(-5.0, 30.0))});
+      MoveArm(stage, side, g, duration, stage.Chance(0.5) ? RandomArm(stage) : HangingArm(stage));
+    }
+    stage.MoveTo(kNeckTwist, g, duration, Deg(stage.Uniform(-40.0, 40.0)));
+    g += duration * stage.Uniform(0.9, 1.6);
+  }
+  const double up = stage.Beat(1.5);
+  Lean(stage, until, up, Deg(-8.0), Deg(30.0));
+  stage.Bump(kTrunkFlex, until - 0.2, up, Deg(30.0));
+  stage.MoveTo(kNeckTwist, until, up, 0.0);
+  for (const int side : {kLeft, kRight}) {
+    MoveLeg(stage, side, until, up, {Deg(80.0), Deg(6.0), Deg(60.0), Deg(20.0)});
+    MoveArm(stage, side, until, up, AnglesOf(stage, ArmPose::kForward));
+  }
+  return until + up;
+}
+
 double SitOnGround(Stage& stage, double t) {
   const double down = stage.Beat(1.7);
   const double home = stage.Final(kPelvisZ);
@@ -180,7 +211,7 @@ double SitOnGround(Stage& stage, double t) {
     MoveArm(stage, side, t + 0.7 * down, 1.0, AnglesOf(stage, ArmPose::kLowForward));
   }
   t += down + stage.Uniform(0.2, 1.2);
-  const double until = t + stage.Uniform(3.0, 8.0);
+  const double until = t + stage.Uniform(2.0, 6.0);
   GroundSeat seat = RandomGroundSeat(stage);
   for (const int side : {kLeft, kRight}) {
     stage.MoveTo(Of(kLegFlex, side), t - 0.03, 0.03, Deg(86.0) + stage.Final(kPelvisPitch));
@@ -199,8 +230,9 @@ double SitOnGround(Stage& stage, double t) {
     g = MakeGesture(stage, g, stage.Uniform(0.7, 2.0));
     if (stage.Chance(0.4)) stage.MoveTo(kTrunkTwist, g, 0.9, Deg(stage.Uniform(-30.0, 30.0)));
   }
-  t = until;
+  t = until + 0.1;
   stage.MoveTo(kTrunkTwist, t, 0.8, 0.0);
+  if (stage.Chance(0.45)) t = LieDown(stage, t);
   for (const int side : {kLeft, kRight}) {
     MoveLeg(stage, side, t, 0.8, {Deg(86.0) + stage.Final(kPelvisPitch), Deg(4.0), Deg(108.0), Deg(5.0)});
     stage.MoveTo(Of(kFree, side), t + 0.4, 0.6, 0.0);

@@ -139,7 +139,7 @@ class Skier {
     // The outer hand lower, the inner one up, off the snow.
     for (const int side : {kLeft, kRight}) {
       const double inner = SideSign(side) * inside;
-      Put(Of(kShoulderAbd, side), frame, Deg(26.0) * std::max(inner, -0.5));
+      Put(Of(kShoulderAbd, side), frame, Deg(20.0) * inner + Deg(8.0) * inner * inner);
       Put(Of(kShoulderFlex, side), frame, Deg(12.0) * inner);
     }
   }
@@ -165,7 +165,7 @@ class Skier {
     const double sign = SideSign(side);
     const double inside = std::sin(turn.lean);
     // Leaning, the feet stand apart along the slope; the inner ski is ahead.
-    const double apart = sign * 0.5 * skier_.width * (1.0 + 0.5 * std::abs(inside));
+    const double apart = sign * 0.5 * skier_.width * (1.0 + 0.6 * inside * inside);
     const double ahead = sign * inside * skier_.lead;
     const Vector3d ankle =
         turn.place + apart * left + ahead * turn.front + stage_.body().ankle_height[Body::Index(side)] * up;

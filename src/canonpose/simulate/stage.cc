@@ -10,8 +10,8 @@ Style MakeStyle(const Body& body, Rng& rng) {
   style.stance_half_width = body.hip_width / 2 * rng.Uniform(0.75, 1.35);
   style.toe_out = Deg(rng.Uniform(-2.0, 18.0));
   style.arm_carry = Deg(rng.Uniform(5.0, 16.0));
-  style.elbow_carry = Deg(rng.Uniform(8.0, 30.0));
-  style.trunk_lean = Deg(rng.Uniform(-3.0, 9.0));
+  style.elbow_carry = Deg(rng.Uniform(8.0, 48.0));
+  style.trunk_lean = Deg(rng.Uniform(-7.0, 6.0));
   style.head_pitch = Deg(rng.Uniform(-8.0, 14.0));
   style.tempo = rng.Uniform(0.78, 1.28);
   style.energy = rng.Uniform(0.7, 1.25);
@@ -32,6 +32,28 @@ double SmoothBump(double s) {
   if (s <= 0.0 || s >= 1.0) return 0.0;
   const double x = 4.0 * s * (1.0 - s);
   return x * x * x;
+}
+
+std::vector<double> SmoothCover(const std::vector<double>& values, int half_window) {
+  const int count = static_cast<int>(values.size());
+  std::vector<double> cover(values.size());
+  const auto at = [&](const std::vector<double>& v, int f) {
+    return v[static_cast<std::size_t>(std::clamp(f, 0, count - 1))];
+  };
+  for (int f = 0; f < count; ++f) {
+    double highest = 0.0;
+    for (int w = -2 * half_window; w <= 2 * half_window; ++w) highest = std::max(highest, at(values, f + w));
+    cover[static_cast<std::size_t>(f)] = highest;
+  }
+  for (int pass = 0; pass < 2; ++pass) {
+    const std::vector<double> before = cover;
+    for (int f = 0; f < count; ++f) {
+      double sum = 0.0;
+      for (int w = -half_window; w <= half_window; ++w) sum += at(before, f + w);
+      cover[static_cast<std::size_t>(f)] = sum / (2 * half_window + 1);
+    }
+  }
+  return cover;
 }
 
 Stage::Stage(const Body& body, double fps, int frames, Rng rng)
@@ -149,7 +171,7 @@ void StandNaturally(Stage& stage) {
   const double n = style.noise;
   stage.Add(kTrunkFlex, style.trunk_lean);
   stage.Add(kNeckFlex, style.head_pitch - 0.5 * style.trunk_lean);
-  stage.Add(kPelvisZ, -stage.Tall(stage.Uniform(0.003, 0.011)));
+  stage.Add(kPelvisZ, -stage.Tall(stage.Uniform(-0.001, 0.006)));
   for (const int channel : {kTrunkFlex, kTrunkSide, kTrunkTwist}) stage.Waver(channel, Deg(1.6) * n, 0.9);
   for (const int channel : {kNeckFlex, kNeckSide}) stage.Waver(channel, Deg(2.2) * n, 0.9);
   stage.Waver(kNeckTwist, Deg(4.0) * n, 0.7);

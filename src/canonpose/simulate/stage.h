@@ -16,7 +16,7 @@ namespace canonpose {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double Deg(double degrees) { return degrees * kPi / 180.0; }
 
-/// What moves: 12 channels of the trunk, then those of the left limbs, then those of the right.
+/// What moves: the channels of the trunk, then those of the left limbs, then those of the right.
 enum Channel : int {
   kPelvisX,  ///< where the pelvis goes
   kPelvisY,
@@ -67,6 +67,9 @@ constexpr int Of(SideChannel channel, int side) { return kFirstSideChannel + sid
 double MinimumJerk(double s);
 /// 0 to 1 and back to 0, smooth like MinimumJerk(); the top is at 0.5.
 double SmoothBump(double s);
+
+/// A smooth curve that is nowhere below `values`: the maximum over a window, averaged over the same window twice.
+std::vector<double> SmoothCover(const std::vector<double>& values, int half_window);
 
 /// Position, velocity and acceleration of a channel at a time, for Quintic().
 struct Knot {
@@ -147,8 +150,7 @@ class Stage {
   std::array<double, kChannelCount> final_{};
 };
 
-/// Hanging arms, feet side by side under the pelvis, the head looking ahead, and small movements on everything. Every
-/// activity begins with it, on the feet's channels only where PlanSteps() does not come.
+/// Hanging arms, the posture of the person's style, and small movements on everything. Every activity begins with it.
 void StandNaturally(Stage& stage);
 /// Feet beside each other under the pelvis' place at the beginning.
 void PlaceFeet(Stage& stage, double half_width);

@@ -16,7 +16,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/simulate/mocap.h"
-#include "canonpose/simulate/text_lines.h"
+#include "canonpose/simulate/readers/text_lines.h"
 
 namespace canonpose {
 namespace {

@@ -4,7 +4,7 @@
 #include <system_error>
 
 #include "canonpose/base/error.h"
-#include "canonpose/simulate/text_lines.h"
+#include "canonpose/simulate/readers/text_lines.h"
 
 namespace canonpose {
 namespace {

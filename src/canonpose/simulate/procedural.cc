@@ -5,10 +5,10 @@
 #include <string>
 
 #include "canonpose/base/error.h"
-#include "canonpose/simulate/activities.h"
-#include "canonpose/simulate/body.h"
-#include "canonpose/simulate/pose_solver.h"
-#include "canonpose/simulate/stage.h"
+#include "canonpose/simulate/people/activities.h"
+#include "canonpose/simulate/people/body.h"
+#include "canonpose/simulate/people/pose_solver.h"
+#include "canonpose/simulate/people/stage.h"
 
 namespace canonpose {
 namespace {

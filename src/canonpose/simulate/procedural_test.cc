@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "canonpose/base/testing.h"
-#include "canonpose/simulate/body.h"
-#include "canonpose/simulate/stage.h"
+#include "canonpose/simulate/people/body.h"
+#include "canonpose/simulate/people/stage.h"
 
 namespace canonpose {
 namespace {

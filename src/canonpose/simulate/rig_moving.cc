@@ -100,7 +100,8 @@ class PtzRig : public Rig {
     std::vector<FilmingCamera> filming;
     for (const PtzCamera& camera : cameras_) {
       Rng own(rng.Bits());
-      filming.push_back({fmt::format("cam{}", filming.size() + 1), camera.lens.image_size, FilmOne(camera, track, own)});
+      filming.push_back(
+          {fmt::format("cam{}", filming.size() + 1), camera.lens.image_size, FilmOne(camera, track, own)});
     }
     return filming;
   }

@@ -1,7 +1,7 @@
 // The activities: each fills a stage. See procedural.h.
 #pragma once
 
-#include "canonpose/simulate/stage.h"
+#include "canonpose/simulate/people/stage.h"
 
 namespace canonpose {
 

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "canonpose/simulate/activities.h"
-#include "canonpose/simulate/arm_poses.h"
-#include "canonpose/simulate/moves.h"
+#include "canonpose/simulate/people/activities.h"
+#include "canonpose/simulate/people/arm_poses.h"
+#include "canonpose/simulate/people/moves.h"
 
 namespace canonpose {
 namespace {

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "canonpose/simulate/activities.h"
+#include "canonpose/simulate/people/activities.h"
 
 namespace canonpose {
 namespace {

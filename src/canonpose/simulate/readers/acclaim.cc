@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/simulate/acclaim_skeleton.h"
 #include "canonpose/simulate/mocap.h"
-#include "canonpose/simulate/text_lines.h"
+#include "canonpose/simulate/readers/acclaim_skeleton.h"
+#include "canonpose/simulate/readers/text_lines.h"
 
 namespace canonpose {
 namespace {

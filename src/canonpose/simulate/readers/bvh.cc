@@ -11,10 +11,10 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
-#include "canonpose/simulate/channels.h"
 #include "canonpose/simulate/landmark_mapping.h"
 #include "canonpose/simulate/mocap.h"
-#include "canonpose/simulate/text_lines.h"
+#include "canonpose/simulate/readers/channels.h"
+#include "canonpose/simulate/readers/text_lines.h"
 
 namespace canonpose {
 namespace {

@@ -2,7 +2,7 @@
 // time on and most say when they end.
 #pragma once
 
-#include "canonpose/simulate/stage.h"
+#include "canonpose/simulate/people/stage.h"
 
 namespace canonpose {
 

@@ -1,4 +1,4 @@
-#include "canonpose/simulate/arm_poses.h"
+#include "canonpose/simulate/people/arm_poses.h"
 
 #include <array>
 

@@ -1,4 +1,4 @@
-#include "canonpose/simulate/stage.h"
+#include "canonpose/simulate/people/stage.h"
 
 #include <algorithm>
 

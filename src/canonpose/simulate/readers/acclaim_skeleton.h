@@ -8,8 +8,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "canonpose/simulate/channels.h"
 #include "canonpose/simulate/motion.h"
+#include "canonpose/simulate/readers/channels.h"
 
 namespace canonpose {
 

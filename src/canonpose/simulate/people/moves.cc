@@ -1,9 +1,9 @@
-#include "canonpose/simulate/moves.h"
+#include "canonpose/simulate/people/moves.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "canonpose/simulate/stepping.h"
+#include "canonpose/simulate/people/stepping.h"
 
 namespace canonpose {
 namespace {

@@ -1,4 +1,4 @@
-#include "canonpose/simulate/body.h"
+#include "canonpose/simulate/people/body.h"
 
 #include <algorithm>
 #include <cmath>

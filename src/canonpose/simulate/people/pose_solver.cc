@@ -1,4 +1,4 @@
-#include "canonpose/simulate/pose_solver.h"
+#include "canonpose/simulate/people/pose_solver.h"
 
 #include <algorithm>
 #include <array>

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "canonpose/simulate/motion.h"
-#include "canonpose/simulate/stage.h"
+#include "canonpose/simulate/people/stage.h"
 
 namespace canonpose {
 

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "canonpose/simulate/activities.h"
-#include "canonpose/simulate/arm_poses.h"
-#include "canonpose/simulate/stepping.h"
+#include "canonpose/simulate/people/activities.h"
+#include "canonpose/simulate/people/arm_poses.h"
+#include "canonpose/simulate/people/stepping.h"
 
 namespace canonpose {
 namespace {

@@ -1,8 +1,8 @@
 // Arm postures that people take: where the hand is and where the elbow points.
 #pragma once
 
-#include "canonpose/simulate/pose_solver.h"
-#include "canonpose/simulate/stage.h"
+#include "canonpose/simulate/people/pose_solver.h"
+#include "canonpose/simulate/people/stage.h"
 
 namespace canonpose {
 

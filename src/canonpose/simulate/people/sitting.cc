@@ -1,9 +1,9 @@
 // Sitting down on chairs and on the ground, being seated, standing up.
 #include <cmath>
 
-#include "canonpose/simulate/activities.h"
-#include "canonpose/simulate/arm_poses.h"
-#include "canonpose/simulate/moves.h"
+#include "canonpose/simulate/people/activities.h"
+#include "canonpose/simulate/people/arm_poses.h"
+#include "canonpose/simulate/people/moves.h"
 
 namespace canonpose {
 namespace {

@@ -1,4 +1,4 @@
-#include "canonpose/simulate/stepping.h"
+#include "canonpose/simulate/people/stepping.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "canonpose/simulate/text_lines.h"
+#include "canonpose/simulate/readers/text_lines.h"
 
 #include <algorithm>
 #include <cctype>

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "canonpose/base/random.h"
-#include "canonpose/simulate/body.h"
+#include "canonpose/simulate/people/body.h"
 
 namespace canonpose {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "canonpose/simulate/stage.h"
+#include "canonpose/simulate/people/stage.h"
 
 namespace canonpose {
 

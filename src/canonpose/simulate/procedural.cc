@@ -36,8 +36,6 @@ constexpr std::uint64_t kMotionStream = 0x307a;
 
 constexpr std::uint64_t kLeadStream = 0x1ead;
 
-bool Travels(Activity activity) { return activity == Activity::kRun || activity == Activity::kSki; }
-
 void DropFrames(int count, ArticulatedMotion& motion) {
   motion.root_position_mm.erase(motion.root_position_mm.begin(), motion.root_position_mm.begin() + count);
   motion.parent_from_joint.erase(motion.parent_from_joint.begin(),
@@ -89,10 +87,10 @@ ArticulatedMotion MakeProceduralMotion(const ProceduralClip& clip) {
   ArticulatedMotion motion = PerformStage(stage);
   DropFrames(lead, motion);
   Turn(lead_rng.Uniform(-kPi, kPi), motion);
-  if (Travels(clip.activity)) {
+  if (clip.activity == Activity::kSki) {
+    // Skiers travel on, and come down as they go; their slope passes through the origin.
     Eigen::Vector3d start = motion.root_position_mm.front();
-    // Skiers come down as they go; their slope passes through the origin.
-    start.z() = clip.activity == Activity::kSki ? start.z() - stage.body().standing_hip_height() * 0.75 : 0.0;
+    start.z() -= stage.body().standing_hip_height() * 0.75;
     for (Eigen::Vector3d& position : motion.root_position_mm) position -= start;
   }
   motion.name = clip.name;

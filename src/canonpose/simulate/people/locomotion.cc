@@ -17,7 +17,7 @@ struct Leg {
 };
 
 double RandomSpeed(Stage& stage, bool running) {
-  if (running) return 1000.0 * stage.Uniform(2.2, 5.0);
+  if (running) return 1000.0 * stage.Uniform(2.2, 3.6);
   return 1000.0 * std::clamp(1.25 + 0.42 * stage.rng().Normal(), 0.5, 2.2);
 }
 
@@ -27,7 +27,7 @@ std::vector<Leg> PlanLegs(Stage& stage, bool running) {
   for (double t = 0.0; t < stage.seconds();) {
     const double chance = stage.Uniform(0.0, 1.0);
     const double own =
-        std::clamp(speed * stage.Uniform(0.75, 1.3), running ? 2200.0 : 500.0, running ? 5000.0 : 2200.0);
+        std::clamp(speed * stage.Uniform(0.75, 1.3), running ? 2200.0 : 500.0, running ? 3600.0 : 2200.0);
     const double slow = 1000.0 * stage.Uniform(0.35, 0.85);
     if (running || t == 0.0 || chance < 0.68) {
       t += stage.Uniform(2.5, 6.0);
@@ -179,7 +179,7 @@ void PerformGait(Stage& stage) {
 void PerformRun(Stage& stage) {
   StandNaturally(stage);
   const std::vector<Leg> legs = PlanLegs(stage, true);
-  WalkThroughRoom(stage, legs, 1000.0 * stage.Uniform(5.0, 9.0), Deg(stage.Uniform(45.0, 75.0)));
+  WalkThroughRoom(stage, legs, 1000.0 * stage.Uniform(1.3, 2.0), Deg(stage.Uniform(120.0, 165.0)));
   StepOptions options;
   options.running = true;
   options.half_width = stage.Tall(stage.Uniform(0.022, 0.040));

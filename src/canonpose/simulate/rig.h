@@ -17,8 +17,8 @@ namespace canonpose {
 struct RigOptions {
   std::string kind = "studio";  ///< studio, ring, ptz, handheld, or the path of a JSON file
   int cameras = 0;              ///< 0: as many as the kind has by itself (studio 4, ring 8 to 14, ptz 6, handheld 4)
-  /// How the cameras are spread around the subject: "even", or "opposite", "quarter" (within 90 degrees), "clustered"
-  /// (within 30 degrees).
+  /// How the cameras are spread around the subject: "even", or "opposite", "quarter" (over 90 degrees),
+  /// "clustered" (over 30 degrees). Two that are spread evenly are opposite each other; a quarter suits two better.
   std::string spread = "even";
   /// Mean distance from the subject; 0: the kind's own. Focal lengths change in proportion, so that the subject stays
   /// as large in the picture: what changes is the perspective.

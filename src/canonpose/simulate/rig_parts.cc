@@ -71,10 +71,13 @@ std::vector<double> Azimuths(const std::string& spread, int count, Rng& rng) {
   const double first = rng.Uniform(0.0, 2.0 * std::numbers::pi);
   const double step = 2.0 * std::numbers::pi / count;
   std::vector<double> azimuths;
-  // Cameras within an arc: evenly over it, each moved within its own part, so that they never leave it.
+  // Cameras from one end of an arc to the other: two of a quarter are nearly 90 degrees apart. None leaves the arc.
   const auto within = [&](double arc_degrees) {
-    const double part = Radians(arc_degrees) / count;
-    for (int i = 0; i < count; ++i) azimuths.push_back(first + part * (i + rng.Uniform(0.1, 0.9)));
+    constexpr double kMargin = 0.04;
+    for (int i = 0; i < count; ++i) {
+      const double share = kMargin + (1.0 - 2.0 * kMargin) * i / std::max(1, count - 1);
+      azimuths.push_back(first + Radians(arc_degrees) * (share + rng.Uniform(-kMargin, kMargin)));
+    }
   };
   if (spread == "even") {
     for (int i = 0; i < count; ++i) azimuths.push_back(first + step * (i + rng.Uniform(-0.12, 0.12)));

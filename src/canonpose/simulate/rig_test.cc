@@ -166,7 +166,9 @@ TEST(Rig, SpreadsCamerasAsAsked) {
     return angle;
   };
   EXPECT_LT(widest("quarter", 6), 90.0);
-  EXPECT_GT(widest("quarter", 6), 50.0);
+  EXPECT_GT(widest("quarter", 6), 70.0);
+  EXPECT_GT(widest("quarter", 2), 70.0);
+  EXPECT_LE(widest("quarter", 2), 90.0);
   EXPECT_LT(widest("clustered", 6), 30.0);
   EXPECT_GT(widest("opposite", 2), 155.0);
   RigOptions options;

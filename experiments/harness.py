@@ -55,13 +55,35 @@ def is_trapped(result):
     return result["depth"] > TRAP_DEPTH
 
 
-def in_parallel(function, jobs, workers):
-    """Results of function(*job) in the order of jobs, each told when it is done."""
+def in_parallel(function, jobs, workers, output=None, recipe=""):
+    """Results of function(*job) in the order of jobs, each told when it is done; a job's first item is its name.
+
+    With an output, results are kept in OUTPUT.runs.jsonl as they come, and an experiment that was killed goes on from there, if its
+    recipe is the same.
+    """
+    record = output.with_suffix(".runs.jsonl") if output else None
+    done = {}
+    if record and record.exists():
+        lines = record.read_text().splitlines()
+        if lines and json.loads(lines[0]) == recipe:
+            done = {row["name"]: row["result"] for row in map(json.loads, lines[1:])}
+    if record and not done:
+        record.write_text(json.dumps(recipe) + "\n")
+
+    def work(job):
+        if job[0] in done:
+            return done[job[0]]
+        result = function(*job)
+        if record:
+            with record.open("a") as file:
+                file.write(json.dumps({"name": job[0], "result": result}) + "\n")
+        return result
+
     results = []
     with concurrent.futures.ThreadPoolExecutor(workers) as pool:
-        for name, result in pool.map(lambda job: (job[0], function(*job)), jobs):
+        for job, result in zip(jobs, pool.map(work, jobs)):
             shown = {key: round(value, 3) if isinstance(value, float) else value for key, value in result.items()}
-            print(name, shown, flush=True)
+            print(job[0], shown, flush=True)
             results.append(result)
     return results
 

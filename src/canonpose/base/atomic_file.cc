@@ -119,6 +119,34 @@ void AtomicFile::Commit() {
   Sync(FolderOf(target_), O_RDONLY | O_DIRECTORY);  // best effort: not every file system can sync a folder
 }
 
+AtomicFolder::AtomicFolder(const fs::path& path) : path_(path.has_filename() ? path : path.parent_path()) {
+  std::error_code error;
+  if (fs::exists(path_, error) && !(fs::is_directory(path_, error) && fs::is_empty(path_, error))) {
+    ThrowBadInput({path_.string(), "", "a folder that is empty or not there yet", "something",
+                   "remove it, or choose another place"});
+  }
+  MakeDirectory(FolderOf(path_));
+  std::string pattern = (FolderOf(path_) / (".new-" + path_.filename().string() + "-XXXXXX")).string();
+  if (::mkdtemp(pattern.data()) == nullptr) ThrowCannotWrite(path_, errno);
+  temporary_path_ = pattern;
+  // mkdtemp makes folders private; give the permissions an ordinary one would have.
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  ::chmod(pattern.c_str(), 0777 & ~mask);
+}
+
+AtomicFolder::~AtomicFolder() {
+  std::error_code ignored;
+  if (!committed_) fs::remove_all(temporary_path_, ignored);
+}
+
+void AtomicFolder::Commit() {
+  std::error_code error;
+  fs::rename(temporary_path_, path_, error);
+  if (error) ThrowCannotWrite(path_, error.value());
+  committed_ = true;
+}
+
 void WriteFileAtomically(const fs::path& path, std::string_view contents) {
   if (IsStream(path)) {
     const int stream = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);

@@ -35,6 +35,27 @@ class AtomicFile {
   bool committed_ = false;
 };
 
+/// A folder that is filled beside its place and moved there by Commit(); without Commit() it is removed. Nothing is
+/// replaced but an empty folder.
+class AtomicFolder {
+ public:
+  /// Throws Error(kBadInput) where there is something at `path` already, or nothing can be written there.
+  explicit AtomicFolder(const std::filesystem::path& path);
+  ~AtomicFolder();
+  AtomicFolder(const AtomicFolder&) = delete;
+  AtomicFolder& operator=(const AtomicFolder&) = delete;
+
+  /// Where to write; exists, empty.
+  [[nodiscard]] const std::filesystem::path& temporary_path() const { return temporary_path_; }
+  /// Throws Error(kBadInput).
+  void Commit();
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path temporary_path_;
+  bool committed_ = false;
+};
+
 /// Writes `contents` as a whole; straight into what is there where that is a pipe or a device such as /dev/stdout.
 /// Throws Error(kBadInput), with the system's reason and the old file kept.
 void WriteFileAtomically(const std::filesystem::path& path, std::string_view contents);

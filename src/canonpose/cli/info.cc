@@ -25,8 +25,9 @@ void PrintSkeleton(const Skeleton& skeleton, const DatasetSource& source) {
              skeleton.joint_count(), skeleton.joints[static_cast<std::size_t>(skeleton.root)]);
   fmt::print("joints       {}\n", fmt::join(skeleton.joints, ", "));
   if (source.format.empty()) return;
-  fmt::print("made from    {}, layout {}, confidences divided by {:g}\n", source.format, source.layout,
-             source.confidence_scale);
+  fmt::print(
+      "made from    {}{}{}\n", source.format, source.layout.empty() ? "" : fmt::format(", layout {}", source.layout),
+      source.confidence_scale == 1.0 ? "" : fmt::format(", confidences divided by {:g}", source.confidence_scale));
   for (const std::string& line : source.mapping) {
     if (line.find('(') != std::string::npos) fmt::print("derived      {}\n", line);
   }

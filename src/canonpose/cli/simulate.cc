@@ -1,4 +1,5 @@
 // canonpose simulate [MOTION...] -o data.h5
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
+#include "canonpose/base/interrupt.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/progress.h"
 #include "canonpose/cli/commands.h"
@@ -34,37 +36,80 @@ struct Arguments {
   int threads = 0;
 };
 
-/// The clip in the formats asked for beside the dataset.
-void WriteBeside(const Arguments& arguments, const Simulator& simulator, const SimulatedClip& clip) {
-  const int joints = simulator.layout_skeleton().joint_count();
-  for (std::size_t c = 0; c < clip.cameras.size(); ++c) {
-    CameraView detected;
-    detected.name = clip.cameras[c].name;
-    detected.keypoints = clip.detections[c].keypoints;
-    detected.confidence = clip.detections[c].confidence;
-    if (!arguments.openpose.empty()) {
-      MakeDirectory(arguments.openpose / clip.sequence.name);
-      WriteOpenPose(arguments.openpose / clip.sequence.name / detected.name, detected, joints);
-    }
-    if (!arguments.alphapose.empty()) {
-      WriteAlphaPose(arguments.alphapose / clip.sequence.name / (detected.name + ".json"), detected, joints);
-    }
+/// What goes beside the dataset: the clips as files of other programs, in folders that appear when all is done.
+class OtherFormats {
+ public:
+  explicit OtherFormats(const Arguments& arguments) {
+    if (!arguments.openpose.empty()) openpose_.emplace(arguments.openpose);
+    if (!arguments.alphapose.empty()) alphapose_.emplace(arguments.alphapose);
+    if (!arguments.bvh.empty()) bvh_.emplace(arguments.bvh);
   }
-  if (!arguments.bvh.empty()) {
-    MakeDirectory(arguments.bvh);
-    WriteBvh(arguments.bvh / (clip.motion.name + ".bvh"), clip.motion);
-  }
-}
 
-/// Folders that hold an earlier simulation's files would mix two.
-void RequireNewFolders(const Arguments& arguments) {
-  for (const fs::path& folder : {arguments.openpose, arguments.alphapose, arguments.bvh}) {
-    if (!folder.empty() && fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder))) {
-      ThrowBadInput({folder.string(), "", "a folder that is empty or not there yet", "something",
-                     "remove it, or choose another place"});
+  void Write(const SimulatedClip& clip, int joint_count) const {
+    for (std::size_t c = 0; c < clip.cameras.size(); ++c) {
+      CameraView detected;
+      detected.name = clip.cameras[c].name;
+      detected.keypoints = clip.detections[c].keypoints;
+      detected.confidence = clip.detections[c].confidence;
+      if (openpose_) {
+        WriteOpenPose(openpose_->temporary_path() / clip.sequence.name / detected.name, detected, joint_count);
+      }
+      if (alphapose_) {
+        const fs::path folder = alphapose_->temporary_path() / clip.sequence.name;
+        WriteAlphaPose(folder / fmt::format("{}.json", detected.name), detected, joint_count);
+      }
+    }
+    if (bvh_) WriteBvh(bvh_->temporary_path() / fmt::format("{}.bvh", clip.motion.name), clip.motion);
+  }
+
+  void Commit() {
+    for (std::optional<AtomicFolder>* folder : {&openpose_, &alphapose_, &bvh_}) {
+      if (*folder) (*folder)->Commit();
     }
   }
-}
+
+ private:
+  std::optional<AtomicFolder> openpose_;
+  std::optional<AtomicFolder> alphapose_;
+  std::optional<AtomicFolder> bvh_;
+};
+
+/// Tells of clips that the cameras hardly see: training learns from frames that two cameras share.
+class VisibilityCheck {
+ public:
+  void Add(const Sequence& sequence) {
+    int shared = 0;
+    for (int t = 0; t < sequence.frame_count; ++t) {
+      int seeing = 0;
+      for (const CameraView& view : sequence.cameras) seeing += SeesPerson(view, t, sequence.frame_count) ? 1 : 0;
+      shared += seeing >= 2 ? 1 : 0;
+    }
+    any_ = any_ || shared > 0;
+    ++clips_;
+    if (2 * shared < sequence.frame_count) ++hidden_;
+  }
+  /// Throws Error(kComputation) where nothing is seen at all.
+  void Report() const {
+    constexpr const char* kAdvice =
+        "whoever moves far wants --rig ptz or handheld, which follow; a rig file's cameras must look at the origin";
+    if (!any_) ThrowComputation("no frame of any clip is seen by two cameras; {}", kAdvice);
+    if (hidden_ > 0) {
+      LogWarning("{} of {} clips are seen by two cameras in less than half of their frames; {}", hidden_, clips_,
+                 kAdvice);
+    }
+  }
+
+ private:
+  static bool SeesPerson(const CameraView& view, int frame, int frame_count) {
+    const auto joints = static_cast<std::ptrdiff_t>(view.confidence.size()) / frame_count;
+    const auto first = view.confidence.begin() + frame * joints;
+    return 2 * std::count_if(first, first + joints, [](float c) { return c > 0.0F; }) >= joints;
+  }
+
+  bool any_ = false;
+  int clips_ = 0;
+  int hidden_ = 0;
+};
 
 SimulationOptions ResolveOptions(const Arguments& arguments) {
   SimulationOptions options = arguments.options;
@@ -82,24 +127,33 @@ void RunSimulate(const Arguments& arguments) {
     throw Error(ExitCode::kBadInput, fmt::format("--threads: expected 0 or more, found {}", arguments.threads));
   }
   const Simulator simulator(ResolveOptions(arguments));
-  RequireNewFolders(arguments);
   std::optional<DatasetWriter> writer;
   if (!arguments.output.empty()) writer.emplace(arguments.output, simulator.skeleton(), simulator.source());
+  OtherFormats other_formats(arguments);
   DetectorStatistics statistics(simulator.layout());
+  VisibilityCheck visibility;
 
+  const InterruptGuard interrupt;
   Progress progress("clip", simulator.clip_count());
   ClipStream clips(simulator, arguments.threads);
   long frames = 0;
   long done = 0;
   while (const std::optional<SimulatedClip> clip = clips.Next()) {
     if (writer) writer->Add(clip->sequence);
-    WriteBeside(arguments, simulator, *clip);
+    other_formats.Write(*clip, simulator.layout_skeleton().joint_count());
+    visibility.Add(clip->sequence);
     for (std::size_t c = 0; arguments.describe && c < clip->cameras.size(); ++c) {
       statistics.Add(clip->track, clip->cameras[c], clip->detections[c]);
     }
     frames += clip->sequence.frame_count;
     progress.Update(++done, clip->sequence.name);
+    if (interrupt.signal() != 0) {
+      LogInfo("stopped; nothing was written");
+      throw CLI::RuntimeError(128 + interrupt.signal());
+    }
   }
+  visibility.Report();
+  other_formats.Commit();
   if (writer) {
     writer->Commit();
     LogInfo("{}: {} clips, {} frames", arguments.output.string(), simulator.clip_count(), frames);
@@ -150,8 +204,10 @@ void AddDetectorOptions(CLI::App& command, Arguments& arguments) {
   part("--missed-frames", detector.missed_frames, "Frames without the person");
   part("--confidence", detector.confidence, "Noise of confidences, which tell errors the worse");
   command.add_option("--skeleton", arguments.options.skeleton, "Of the dataset (default h36m-17)");
-  command.add_option("--layout", arguments.options.layout,
-                     "The detector's keypoints, mapped onto the skeleton as import does (default: the skeleton's own)");
+  command.add_option(
+      "--layout", arguments.options.layout,
+      "The detector's keypoints, mapped onto the skeleton as import does: joints that it lacks, and their truth, are "
+      "means of others (default: the skeleton's own joints)");
 }
 
 }  // namespace
@@ -164,14 +220,28 @@ void AddSimulateCommand(CLI::App& app) {
   AddMotionOptions(*command, *arguments);
   AddRigOptions(*command, arguments->options.rig);
   AddDetectorOptions(*command, *arguments);
-  command->add_option("--openpose", arguments->openpose, "Folder for the same keypoints as OpenPose writes them");
-  command->add_option("--alphapose", arguments->alphapose, "Folder for the same keypoints as AlphaPose writes them");
+  command->add_option("--openpose", arguments->openpose,
+                      "Folder for the same keypoints as OpenPose writes them: CLIP/CAMERA/*.json");
+  command->add_option("--alphapose", arguments->alphapose,
+                      "Folder for the same keypoints as AlphaPose writes them: CLIP/CAMERA.json");
   command->add_option("--bvh", arguments->bvh, "Folder for the motion as BVH files");
   command->add_flag("--describe", arguments->describe, "Print what the detector's errors are like");
   command->add_option("--threads", arguments->threads, "Number of threads (default: all)");
-  command->add_option("--seed", arguments->options.seed,
-                      "Of people, motion, cameras and errors; another seed is another capture (default 0)");
-  command->callback([arguments] { RunSimulate(*arguments); });
+  command
+      ->add_option("--seed", arguments->options.seed,
+                   "Of people, motion, cameras and errors; another seed is another capture (default 0)")
+      ->check([](const std::string& text) {
+        return text.starts_with('-') ? fmt::format("expected 0 or more, found {}", text) : std::string();
+      });
+  command->callback([arguments, command] {
+    // Options that would be ignored are a misunderstanding.
+    for (const char* option : {"--subjects", "--clips", "--seconds", "--activities"}) {
+      if (!arguments->options.motion_files.empty() && command->count(option) > 0) {
+        ThrowUsage("{} is for procedural people; with motion capture files leave it out", option);
+      }
+    }
+    RunSimulate(*arguments);
+  });
 }
 
 }  // namespace canonpose

@@ -270,7 +270,8 @@ void WriteCalibration(h5::Group& group, const std::vector<Camera>& cameras) {
   std::vector<double> R;
   std::vector<double> t;
   std::vector<double> distortion;
-  bool same_lens = true;
+  bool same_K = true;
+  bool same_distortion = true;
   for (const Camera& camera : cameras) {
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) {
@@ -280,15 +281,17 @@ void WriteCalibration(h5::Group& group, const std::vector<Camera>& cameras) {
       t.push_back(camera.camera_from_world_translation_mm[r]);
     }
     distortion.insert(distortion.end(), camera.distortion.begin(), camera.distortion.end());
-    same_lens &= camera.K == cameras.front().K && camera.distortion == cameras.front().distortion;
+    same_K &= camera.K == cameras.front().K;
+    same_distortion &= camera.distortion == cameras.front().distortion;
   }
-  const std::size_t lens_rows = same_lens ? 1 : cameras.size();
-  K.resize(9 * lens_rows);
-  distortion.resize(4 * lens_rows);
-  Write(group, "K", K, WithRows(lens_rows, {3, 3}));
+  const std::size_t K_rows = same_K ? 1 : cameras.size();
+  const std::size_t distortion_rows = same_distortion ? 1 : cameras.size();
+  K.resize(9 * K_rows);
+  distortion.resize(4 * distortion_rows);
+  Write(group, "K", K, WithRows(K_rows, {3, 3}));
   Write(group, "R", R, WithRows(cameras.size(), {3, 3}));
   Write(group, "t", t, WithRows(cameras.size(), {3}));
-  Write(group, "distortion", distortion, WithRows(lens_rows, {4}));
+  Write(group, "distortion", distortion, WithRows(distortion_rows, {4}));
 }
 
 /// Names become groups of the file, so some cannot be used.

@@ -52,56 +52,27 @@ std::size_t FrameCount(const CameraView& view, int joint_count) {
   return view.confidence.size() / static_cast<std::size_t>(joint_count);
 }
 
-/// A folder that is filled beside its place and then moved there; removed where that does not come to pass.
-class NewFolder {
- public:
-  explicit NewFolder(const fs::path& path)
-      : path_(path.has_filename() ? path : path.parent_path()),
-        temporary_(path_.parent_path() / fmt::format(".new-{}", path_.filename().string())) {
-    if (fs::exists(path_)) {
-      ThrowBadInput(
-          {path_.string(), "", "a folder that is not there yet", "one that is", "remove it, or choose another place"});
-    }
-    std::error_code ignored;
-    fs::remove_all(temporary_, ignored);
-    MakeDirectory(temporary_);
-  }
-  ~NewFolder() {
-    std::error_code ignored;
-    fs::remove_all(temporary_, ignored);
-  }
-  NewFolder(const NewFolder&) = delete;
-  NewFolder& operator=(const NewFolder&) = delete;
-
-  void Write(const std::string& name, const std::string& text) const {
-    std::ofstream stream(temporary_ / name, std::ios::binary);
-    stream << text;
-    stream.close();
-    if (!stream) ThrowCannotWrite(path_ / name, errno);
-  }
-  void Commit() const {
-    std::error_code error;
-    fs::rename(temporary_, path_, error);
-    if (error) ThrowCannotWrite(path_, error.value());
-  }
-
- private:
-  fs::path path_;
-  fs::path temporary_;
-};
+/// One of many files of a folder that appears as a whole, so it need not be synced by itself.
+void WriteInto(const AtomicFolder& folder, const std::string& name, const std::string& text) {
+  const fs::path path = folder.temporary_path() / name;
+  std::ofstream stream(path, std::ios::binary);
+  stream << text;
+  stream.close();
+  if (!stream) ThrowCannotWrite(path, errno);
+}
 
 }  // namespace
 
 void WriteOpenPose(const fs::path& folder, const CameraView& view, int joint_count) {
   const std::size_t frames = FrameCount(view, joint_count);
-  const NewFolder files(folder);
+  AtomicFolder files(folder);
   for (std::size_t t = 0; t < frames; ++t) {
     const FlatPose pose = PoseAt(view, static_cast<std::size_t>(joint_count), t);
     Json frame;
     frame["version"] = 1.3F;
     frame["people"] = Json::array();
     if (pose.is_seen) frame["people"].push_back({{"person_id", {-1}}, {"pose_keypoints_2d", pose.triples}});
-    files.Write(fmt::format("{}_{:012}_keypoints.json", view.name, t), frame.dump());
+    WriteInto(files, fmt::format("{}_{:012}_keypoints.json", view.name, t), frame.dump());
   }
   files.Commit();
 }

@@ -1,6 +1,7 @@
 #include "canonpose/simulate/mocap.h"
 
 #include <algorithm>
+#include <set>
 #include <system_error>
 
 #include "canonpose/base/error.h"
@@ -51,7 +52,8 @@ std::vector<fs::path> FindMotionFiles(const std::vector<fs::path>& paths) {
   }
   // A file that is named twice, by itself and by its folder, is one clip.
   std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
+  std::set<fs::path> seen;
+  std::erase_if(all, [&](const fs::path& file) { return !seen.insert(fs::canonical(file)).second; });
   return all;
 }
 

@@ -77,11 +77,11 @@ bool IsBuiltinKind(const std::string& kind) {
   return kind == "studio" || kind == "ring" || kind == "ptz" || kind == "handheld";
 }
 
-bool IsRigFile(const std::string& kind) {
+}  // namespace
+
+bool RigOptions::IsFile() const {
   return !IsBuiltinKind(kind) && (kind.ends_with(".json") || kind.find('/') != std::string::npos);
 }
-
-}  // namespace
 
 void RigOptions::Validate() const {
   if (cameras < 0 || cameras == 1 || cameras > kMostCameras) {
@@ -89,7 +89,7 @@ void RigOptions::Validate() const {
                 fmt::format("--cameras {}: expected 2 to {} cameras, or 0 for as many as the rig has by itself",
                             cameras, kMostCameras));
   }
-  if (!IsBuiltinKind(kind) && !IsRigFile(kind)) {
+  if (!IsBuiltinKind(kind) && !IsFile()) {
     ThrowUsage("--rig {} is not known; choose studio, ring, ptz, handheld or a JSON file", kind);
   }
   if (spread != "even" && spread != "opposite" && spread != "quarter" && spread != "clustered") {
@@ -99,7 +99,7 @@ void RigOptions::Validate() const {
     ThrowUsage("--distance {} is out of range; give 1 to 1000 m, or 0 for the rig's own", distance_m);
   }
   if (!(distortion >= 0.0 && distortion <= 2.0)) ThrowUsage("--distortion {} is out of range; give 0 to 2", distortion);
-  if (IsRigFile(kind) && (cameras != 0 || spread != "even" || distance_m != 0.0 || distortion != 0.0)) {
+  if (IsFile() && (cameras != 0 || spread != "even" || distance_m != 0.0 || distortion != 0.0)) {
     ThrowUsage("--rig {} says itself where its cameras are; leave out --cameras, --spread, --distance and --distortion",
                kind);
   }

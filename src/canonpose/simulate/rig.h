@@ -28,6 +28,8 @@ struct RigOptions {
   /// Throws Error(kBadInput) for a number of cameras that cannot be, Error(kUsage) naming the first other option that
   /// is out of range. A rig file takes no options beside it.
   void Validate() const;
+  /// Whether the kind is a file's path.
+  [[nodiscard]] bool IsFile() const;
 };
 
 /// What one camera of a rig is over a clip.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -136,7 +137,11 @@ Camera ReadLookingAt(const JsonValue& value, std::array<int, 2> image_size) {
 FilmingCamera ReadCamera(const JsonValue& value) {
   FilmingCamera filming;
   filming.name = value["name"].String();
-  if (filming.name.empty()) value["name"].Fail("a name", "", "an empty string");
+  const bool is_plain = std::none_of(filming.name.begin(), filming.name.end(),
+                                     [](unsigned char c) { return c == '/' || std::iscntrl(c) != 0; });
+  if (filming.name.empty() || filming.name == "." || filming.name == ".." || !is_plain) {
+    value["name"].Fail("a name without '/' that can name a folder", "", fmt::format("\"{}\"", filming.name));
+  }
   filming.image_size = ImageSize(value["image_size"]);
   if (value.Has("position_m")) {
     filming.cameras = {ReadLookingAt(value, filming.image_size)};

@@ -20,6 +20,10 @@ namespace {
 constexpr double kProceduralFps = 50.0;
 /// A clip is made in one piece in memory (about 5 kB a frame and camera).
 constexpr int kMostFramesOfAClip = 100000;
+/// Every thread holds a clip.
+constexpr std::size_t kMostThreads = 64;
+constexpr int kMostClips = 1000000;
+constexpr double kLowestFps = 0.1;
 
 /// What a generator is for, as its first stream number.
 enum Stream : std::uint64_t { kRigStream = 1, kPlacement = 2, kFilming = 3, kDetection = 4, kPerson = 5, kMotion = 6 };
@@ -44,11 +48,20 @@ const Skeleton& RequireSkeletonNamed(const std::string& name, const char* option
   return *skeleton;
 }
 
-/// The same for clips that the same cameras film, also in other files.
-std::string CaptureName(const std::string& subject, const RigOptions& rig, std::uint64_t seed) {
-  const std::string recipe =
-      fmt::format("{} {} {} {} {} {}", rig.kind, rig.cameras, rig.spread, rig.distance_m, rig.distortion, seed);
-  return fmt::format("{}-{:016x}", subject, NumberOf(recipe));
+/// The same for clips that the same static cameras film, also in other files.
+std::string CaptureName(const std::string& subject, const std::vector<FilmingCamera>& cameras) {
+  Fingerprint fingerprint;
+  const auto add = [&](const auto& numbers) { fingerprint.Add(numbers.data(), sizeof(numbers[0]) * numbers.size()); };
+  for (const FilmingCamera& filming : cameras) {
+    const Camera& camera = filming.cameras.front();
+    fingerprint.Add(filming.name);
+    add(filming.image_size);
+    add(camera.K.reshaped());
+    add(camera.camera_from_world_rotation.reshaped());
+    add(camera.camera_from_world_translation_mm);
+    add(camera.distortion);
+  }
+  return fmt::format("{}-{:016x}", subject, fingerprint.value());
 }
 
 /// A dataset's sequences are named after the files.
@@ -56,6 +69,9 @@ void RequireDifferentNames(const std::vector<std::filesystem::path>& files) {
   std::map<std::string, std::filesystem::path> by_name;
   for (const std::filesystem::path& file : files) {
     const auto [earlier, is_new] = by_name.try_emplace(file.stem().string(), file);
+    if (file.stem() == "." || file.stem() == "..") {
+      ThrowBadInput({file.string(), "", "a file with a name before its ending", "none", "rename it"});
+    }
     if (is_new) continue;
     ThrowBadInput({file.string(), "", "files of different names",
                    fmt::format("one called like {}", earlier->second.string()),
@@ -128,14 +144,18 @@ std::vector<float> TruthInCamera(const std::vector<Eigen::Vector3d>& joints_mm, 
 }  // namespace
 
 void SimulationOptions::Validate() const {
-  RequireNumber(subjects >= 1 && subjects <= 100000, "--subjects", "1 or more", subjects);
-  RequireNumber(clips >= 0 && clips <= 1000000, "--clips", "1 or more", clips);
+  RequireNumber(subjects >= 1 && subjects <= kMostClips, "--subjects", "1 to 1000000", subjects);
+  RequireNumber(clips >= 0 && clips <= kMostClips, "--clips", "1 to 1000000", clips);
+  RequireNumber(static_cast<double>(subjects) * std::max(1, clips) <= kMostClips, "--clips",
+                "at most 1000000 clips of all subjects together", clips);
   RequireNumber(seconds > 0.0 && std::isfinite(seconds), "--seconds", "more than 0", seconds);
-  RequireNumber(fps >= 0.0 && fps <= 1000.0, "--fps", "0 to 1000 frames a second", fps);
-  const double frames = seconds * (fps > 0.0 ? fps : kProceduralFps);
-  RequireNumber(frames <= kMostFramesOfAClip, "--seconds", "a clip of at most 100000 frames; make more clips instead",
-                seconds);
-  RequireNumber(frames >= 2.0, "--seconds", "a clip of at least two frames", seconds);
+  RequireNumber(fps == 0.0 || (fps >= kLowestFps && fps <= 1000.0), "--fps", "0.1 to 1000 frames a second", fps);
+  if (motion_files.empty()) {
+    const double frames = seconds * (fps > 0.0 ? fps : kProceduralFps);
+    RequireNumber(frames <= kMostFramesOfAClip, "--seconds", "a clip of at most 100000 frames; make more clips instead",
+                  seconds);
+    RequireNumber(frames >= 2.0, "--seconds", "a clip of at least two frames", seconds);
+  }
   RequireSkeletonNamed(skeleton, "--skeleton");
   if (!layout.empty()) RequireSkeletonNamed(layout, "--layout");
   rig.Validate();
@@ -148,8 +168,9 @@ Simulator::Simulator(SimulationOptions options) : options_(std::move(options)) {
   const std::string& layout = options_.layout.empty() ? options_.skeleton : options_.layout;
   layout_ = MakeDetectorLayout(RequireSkeletonNamed(layout, "--layout"));
   if (!layout_skeleton().SameJoints(skeleton_)) skeleton_from_layout_ = MapLayout(layout_skeleton(), skeleton_);
-  // A rig that cannot be used is told before any motion is read.
-  MakeRig(options_.rig, Rng(options_.seed, {kRigStream}));
+  // A rig that cannot be used is told before any motion is read. One from a file is the same for all captures.
+  std::unique_ptr<Rig> rig = MakeRig(options_.rig, Rng(options_.seed, {kRigStream}));
+  if (options_.rig.IsFile()) rig_of_file_ = std::move(rig);
   if (options_.motion_files.empty()) {
     ListProceduralClips();
   } else {
@@ -197,6 +218,10 @@ ArticulatedMotion Simulator::LoadMotion(const ClipSource& source) const {
   if (source.file.empty()) return MakeProceduralMotion(source.procedural);
   ArticulatedMotion motion = ReadMotion(source.file);
   ThinOut(motion, options_.fps);
+  if (motion.frame_count() > kMostFramesOfAClip) {
+    ThrowBadInput({source.file.string(), "", fmt::format("at most {} frames", kMostFramesOfAClip),
+                   fmt::format("{}", motion.frame_count()), "cut it into clips, or thin it out with --fps"});
+  }
   return motion;
 }
 
@@ -236,7 +261,8 @@ SimulatedClip Simulator::Make(int index) const {
   const std::uint64_t subject = NumberOf(clip.motion.subject);
   const std::uint64_t name = NumberOf(clip.motion.name);
   Place(clip.track, Rng(options_.seed, {kPlacement, name}));
-  const std::unique_ptr<Rig> rig = MakeRig(options_.rig, Rng(options_.seed, {kRigStream, subject}));
+  const std::shared_ptr<const Rig> rig =
+      rig_of_file_ ? rig_of_file_ : MakeRig(options_.rig, Rng(options_.seed, {kRigStream, subject}));
   clip.cameras = rig->Film(clip.track, Rng(options_.seed, {kFilming, name}));
   for (std::size_t c = 0; c < clip.cameras.size(); ++c) {
     clip.detections.push_back(Detect(clip.track, clip.cameras[c], layout_, options_.detector, options_.seed,
@@ -247,7 +273,8 @@ SimulatedClip Simulator::Make(int index) const {
   clip.sequence.subject = clip.motion.subject;
   clip.sequence.fps = clip.motion.fps;
   clip.sequence.static_cameras = rig->is_static();
-  clip.sequence.capture = CaptureName(clip.motion.subject, options_.rig, options_.seed);
+  clip.sequence.capture_is_named = rig->is_static();
+  clip.sequence.capture = rig->is_static() ? CaptureName(clip.motion.subject, clip.cameras) : clip.motion.name;
   clip.sequence.frame_count = clip.track.frame_count();
   const std::vector<Eigen::Vector3d> joints_mm = JointPositions(clip.track, layout_);
   for (std::size_t c = 0; c < clip.cameras.size(); ++c) {
@@ -258,7 +285,8 @@ SimulatedClip Simulator::Make(int index) const {
 
 ClipStream::ClipStream(const Simulator& simulator, int threads)
     : simulator_(simulator),
-      ahead_(threads > 0 ? static_cast<std::size_t>(threads) : std::max(1U, std::thread::hardware_concurrency())) {
+      ahead_(threads > 0 ? std::min<std::size_t>(threads, kMostThreads)
+                         : std::max(1U, std::thread::hardware_concurrency())) {
   Refill();
 }
 

@@ -37,7 +37,8 @@ struct SimulationOptions {
   std::string layout;
   std::uint64_t seed = 0;
 
-  /// Throws Error(kUsage) for unknown names and Error(kBadInput) for numbers out of range.
+  /// Throws Error(kUsage) for unknown names and strengths out of range, Error(kBadInput) for counts, lengths and rates
+  /// that cannot be.
   void Validate() const;
 };
 
@@ -82,6 +83,7 @@ class Simulator {
   SimulationOptions options_;
   Skeleton skeleton_;
   DetectorLayout layout_;
+  std::shared_ptr<const Rig> rig_of_file_;             ///< nothing where every capture has a rig of its own
   std::optional<LayoutMapping> skeleton_from_layout_;  ///< nothing where they are the same
   std::vector<ClipSource> clips_;
 };
@@ -89,7 +91,7 @@ class Simulator {
 /// The clips of a simulator in order, made a few ahead by other threads.
 class ClipStream {
  public:
-  /// `threads` 0: as many as the machine has cores.
+  /// `threads` 0: as many as the machine has cores; 64 at most.
   ClipStream(const Simulator& simulator, int threads);
   /// The next clip; nothing after the last. Throws what making it threw.
   std::optional<SimulatedClip> Next();

@@ -49,6 +49,11 @@ std::vector<double> CentredRanks(const std::vector<std::uint64_t>& counts) {
   return ranks;
 }
 
+/// A figure of a table; what could not be measured is a dash.
+std::string Cell(double value) {
+  return std::isnan(value) ? fmt::format("{:>8}", "-") : fmt::format("{:>8.2f}", value);
+}
+
 }  // namespace
 
 DetectorStatistics::DetectorStatistics(const DetectorLayout& layout)
@@ -192,7 +197,7 @@ std::string DetectorStatistics::Describe() const {
   std::string text = "error, % of the person's height in the image\n";
   const auto line = [&](const std::string& name, auto&& percentile) {
     text += fmt::format("{:<12}", name);
-    for (const double percent : kPercents) text += fmt::format("{:>8.2f}", percentile(percent));
+    for (const double percent : kPercents) text += Cell(percentile(percent));
     text += '\n';
   };
   text += fmt::format("{:<12}", "percentile");
@@ -214,9 +219,9 @@ std::string DetectorStatistics::Describe() const {
   share("frames missed", MissedFrameShare());
   text += fmt::format("{:<28}{:>8.2f}, median {:.2f}, 95th {:.2f}\n", "confidence, 5th percentile",
                       ConfidencePercentile(5), ConfidencePercentile(50), ConfidencePercentile(95));
-  text += fmt::format("{:<28}{:>8.2f}  (low confidence as the sign of an error above {:g} %)\n", "confidence AUC",
-                      ConfidenceAuc(), kLargePercent);
-  text += fmt::format("{:<28}{:>8.2f}  (Spearman)\n", "confidence and error", ConfidenceCorrelation());
+  text += fmt::format("{:<28}{}  (low confidence as the sign of an error above {:g} %)\n", "confidence AUC",
+                      Cell(ConfidenceAuc()), kLargePercent);
+  text += fmt::format("{:<28}{}  (Spearman)\n", "confidence and error", Cell(ConfidenceCorrelation()));
   return text;
 }
 

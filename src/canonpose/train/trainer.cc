@@ -427,6 +427,15 @@ void CheckDatasets(const TrainJob& job) {
   }
 }
 
+void RequireTruth(const TrainJob& job) {
+  if (job.options.supervision != "truth") return;
+  if (std::any_of(job.datasets.begin(), job.datasets.end(), [](const Dataset& data) { return data.HasTruth(); }))
+    return;
+  ThrowBadInput({fmt::format("{}", fmt::join(job.data_files, ", ")), "",
+                 "truth, which the preset supervised learns from", "none",
+                 "simulate a capture, or train with another preset"});
+}
+
 }  // namespace
 
 std::optional<TrainOptions> RecordedOptions(const fs::path& run_folder) {
@@ -442,6 +451,7 @@ TrainReport Train(const TrainJob& job) {
   SetThreadCount(job.options.threads);
   WarnAboutSlowLinearAlgebra();
   CheckDatasets(job);
+  RequireTruth(job);
   TrainingSplit split =
       MakeTrainingSplit(job.datasets, job.options.validation,
                         job.options.supervision == "truth" ? TrainingTarget::kTruth : TrainingTarget::kViews);

@@ -269,7 +269,7 @@ TEST(Train, SupervisionWithoutTruthIsRefused) {
   const TemporaryFolder folder;
   TrainJob job = Job(folder, "run", "supervised");
   for (CameraView& view : job.datasets[0].sequences[0].cameras) view.truth.clear();
-  EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { Train(job); }), HasSubstr("truth"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("show.h5: expected truth"));
   job.options.perspective = "learned";
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { Train(job); }), HasSubstr("supervision"));
 }

@@ -17,7 +17,7 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double Deg(double degrees) { return degrees * kPi / 180.0; }
 
 /// What moves: the channels of the trunk, then those of the left limbs, then those of the right.
-enum Channel : int {
+enum StageChannel : int {
   kPelvisX,  ///< where the pelvis goes
   kPelvisY,
   kPelvisZ,      ///< height of the pelvis over standing straight, mm; negative is lower

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -32,7 +33,10 @@ fs::path FindSkeletonFile(const fs::path& amc) {
   for (const fs::path& asf : all) {
     const std::string name = LowerCase(asf.stem().string());
     const bool is_longer = best.empty() || name.size() > best.stem().string().size();
-    if (clip.starts_with(name) && is_longer) best = asf;
+    // "10" is not the beginning of "102_01".
+    const bool begins = clip.starts_with(name) && (clip.size() == name.size() ||
+                                                   std::isalnum(static_cast<unsigned char>(clip[name.size()])) == 0);
+    if (begins && is_longer) best = asf;
   }
   if (!best.empty()) return best;
   if (all.size() == 1) return all.front();

@@ -188,7 +188,7 @@ class Parser {
     const double frames = ReadHeaderLine("Frames");
     if (frames < 1.0 || frames != std::floor(frames)) lines_.Fail("a count of frames from 1", kDamaged);
     const double seconds = ReadHeaderLine("Frame Time");
-    if (seconds < 1e-6) lines_.Fail("a frame time above 0 seconds", kDamaged);
+    if (!(seconds >= 1e-6 && seconds <= 10.0)) lines_.Fail("a frame time above 0 and up to 10 seconds", kDamaged);
     // Exporters write few digits: 0.0333333 is 30 frames a second, 0.008333 is 120.
     file_.fps = 1.0 / seconds;
     if (std::abs(std::round(file_.fps) - file_.fps) < 2e-4 * file_.fps) file_.fps = std::round(file_.fps);

@@ -81,7 +81,6 @@ std::uint64_t Dataset::Fingerprint() const {
       AddInts(fingerprint, {view.image_size[0], view.image_size[1]});
       AddValues(fingerprint, view.keypoints);
       AddValues(fingerprint, view.confidence);
-      AddValues(fingerprint, view.truth);
     }
   }
   return fingerprint.value();

@@ -58,7 +58,7 @@ struct Dataset {
   [[nodiscard]] bool HasTruth() const;
   [[nodiscard]] bool HasSolved() const;
   [[nodiscard]] bool HasCalibration() const;
-  /// A hash of skeleton, keypoints, confidences and truth: what training can see.
+  /// A hash of skeleton, keypoints and confidences: what training without labels sees.
   [[nodiscard]] std::uint64_t Fingerprint() const;
 };
 

@@ -10,6 +10,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
+#include "canonpose/base/hash.h"
 #include "canonpose/base/interrupt.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/progress.h"
@@ -107,6 +108,19 @@ Lifter NewLifter(int joints, const TrainOptions& options, torch::Device device) 
   return lifter;
 }
 
+/// What training sees of a dataset, as text.
+std::string FingerprintOf(const Dataset& dataset, bool with_truth) {
+  std::string text = fmt::format("{:016x}", dataset.Fingerprint());
+  if (!with_truth) return text;
+  Fingerprint truth;
+  for (const Sequence& sequence : dataset.sequences) {
+    for (const CameraView& view : sequence.cameras) {
+      truth.Add(view.truth.data(), view.truth.size() * sizeof(float));
+    }
+  }
+  return fmt::format("{}-{:016x}", text, truth.value());
+}
+
 TrainingRun::TrainingRun(const TrainJob& job, TrainingSplit split)
     : options_(job.options),
       run_folder_(job.run_folder),
@@ -127,7 +141,7 @@ TrainingRun::TrainingRun(const TrainJob& job, TrainingSplit split)
   info_.seed = options_.seed;
   info_.data_files = job.data_files;
   for (const Dataset& dataset : job.datasets)
-    info_.data_fingerprints.push_back(fmt::format("{:016x}", dataset.Fingerprint()));
+    info_.data_fingerprints.push_back(FingerprintOf(dataset, /*with_truth=*/is_supervised()));
 }
 
 Checkpoint TrainingRun::MakeCheckpoint() const {

@@ -365,6 +365,17 @@ TEST(Train, ResumingWithOtherDataIsRefused) {
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("fingerprint"));
 }
 
+TEST(Train, ResumingWithOtherTruthIsRefused) {
+  const TemporaryFolder folder;
+  TrainJob job = Job(folder, "run", "supervised");
+  job.options.epochs = 1;
+  Train(job);
+  job.resume = true;
+  Train(job);
+  job.datasets[0].sequences[0].cameras[0].truth[4] += 100.0F;
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("fingerprint"));
+}
+
 TEST(Train, DamagedCheckpointIsRefused) {
   const TemporaryFolder folder;
   TrainJob job = Job(folder, "run");

@@ -10,8 +10,10 @@ PROJECT = pathlib.Path(__file__).resolve().parent.parent
 CANONPOSE = PROJECT / "build" / "canonpose"
 # A run counts as mirrored where the depth mirrors of most of its poses fit the truth better than they.
 MIRRORED_PERCENT = 50.0
-# The deep trap: depth exaggerated two- to threefold; good solutions lie within 10 % of the truth's depth.
+# The deep trap: depth exaggerated up to threefold, or poses of which some are right and some mirrored, so that neither the network nor its
+# mirror is a solution.
 TRAP_DEPTH = 1.4
+TRAP_MIRRORED_PERCENT = (5.0, 95.0)
 
 
 def require_build():
@@ -48,11 +50,12 @@ def train_and_evaluate(run_folder, train_data, test_data, preset, seed, settings
 
 
 def is_mirrored(result):
-    return result["mirrored_percent"] > MIRRORED_PERCENT
+    return result["mirrored_percent"] > MIRRORED_PERCENT and not is_trapped(result)
 
 
 def is_trapped(result):
-    return result["depth"] > TRAP_DEPTH
+    low, high = TRAP_MIRRORED_PERCENT
+    return result["depth"] > TRAP_DEPTH or low < result["mirrored_percent"] < high
 
 
 def in_parallel(function, jobs, workers, output=None, recipe=""):

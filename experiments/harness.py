@@ -97,6 +97,13 @@ def spread(values, digits=1):
     return f"{statistics.mean(values):.{digits}f} ({min(values):.{digits}f}-{max(values):.{digits}f})"
 
 
+def split_clips(folder, every=5):
+    """Motion capture clips of a folder: those to train on, and every fifth, which is held out."""
+    clips = sorted(path for path in folder.rglob("*") if path.suffix.lower() in (".amc", ".bvh"))
+    held_out = clips[every - 1::every]
+    return [clip for clip in clips if clip not in held_out], held_out
+
+
 def seeds_of(results, condition):
     seeds = [str(result["seed"]) for result in results if condition(result)]
     return ", ".join(seeds) if seeds else "none"

@@ -50,7 +50,7 @@ def train_and_evaluate(run_folder, train_data, test_data, preset, seed, settings
 
 
 def is_mirrored(result):
-    return result["mirrored_percent"] > MIRRORED_PERCENT and not is_trapped(result)
+    return result["mirrored_percent"] > MIRRORED_PERCENT
 
 
 def is_trapped(result):

@@ -1,5 +1,4 @@
 // canonpose simulate [MOTION...] -o data.h5
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -17,6 +16,7 @@
 #include "canonpose/data/dataset.h"
 #include "canonpose/export/bvh.h"
 #include "canonpose/export/keypoint_files.h"
+#include "canonpose/geometry/normalisation.h"
 #include "canonpose/simulate/simulator.h"
 #include "canonpose/simulate/statistics.h"
 
@@ -77,11 +77,13 @@ class OtherFormats {
 /// Tells of clips that the cameras hardly see: training learns from frames that two cameras share.
 class VisibilityCheck {
  public:
+  explicit VisibilityCheck(const Skeleton& skeleton) : joint_count_(skeleton.joint_count()), root_(skeleton.root) {}
+
   void Add(const Sequence& sequence) {
     int shared = 0;
     for (int t = 0; t < sequence.frame_count; ++t) {
       int seeing = 0;
-      for (const CameraView& view : sequence.cameras) seeing += SeesPerson(view, t, sequence.frame_count) ? 1 : 0;
+      for (const CameraView& view : sequence.cameras) seeing += IsUsable(view, t) ? 1 : 0;
       shared += seeing >= 2 ? 1 : 0;
     }
     any_ = any_ || shared > 0;
@@ -100,12 +102,15 @@ class VisibilityCheck {
   }
 
  private:
-  static bool SeesPerson(const CameraView& view, int frame, int frame_count) {
-    const auto joints = static_cast<std::ptrdiff_t>(view.confidence.size()) / frame_count;
-    const auto first = view.confidence.begin() + frame * joints;
-    return 2 * std::count_if(first, first + joints, [](float c) { return c > 0.0F; }) >= joints;
+  /// As training takes it.
+  bool IsUsable(const CameraView& view, int frame) {
+    const std::size_t first = static_cast<std::size_t>(frame) * static_cast<std::size_t>(joint_count_);
+    return NormalisePose(&view.keypoints[2 * first], &view.confidence[first], joint_count_, root_, pose_);
   }
 
+  int joint_count_;
+  int root_;
+  NormalisedPose pose_;
   bool any_ = false;
   int clips_ = 0;
   int hidden_ = 0;
@@ -131,7 +136,7 @@ void RunSimulate(const Arguments& arguments) {
   if (!arguments.output.empty()) writer.emplace(arguments.output, simulator.skeleton(), simulator.source());
   OtherFormats other_formats(arguments);
   DetectorStatistics statistics(simulator.layout());
-  VisibilityCheck visibility;
+  VisibilityCheck visibility(simulator.skeleton());
 
   const InterruptGuard interrupt;
   Progress progress("clip", simulator.clip_count());

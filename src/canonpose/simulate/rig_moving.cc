@@ -91,65 +91,46 @@ struct PtzCamera {
   Lens lens;
 };
 
-class PtzRig : public Rig {
- public:
-  explicit PtzRig(std::vector<PtzCamera> cameras) : cameras_(std::move(cameras)) {}
-  [[nodiscard]] bool is_static() const override { return false; }
+/// Where the camera stands: beside the course, so that the subject never comes much nearer than its distance.
+Eigen::Vector3d Place(const PtzCamera& camera, const LandmarkTrack& track) {
+  const Eigen::Vector3d away(std::cos(camera.azimuth_rad), std::sin(camera.azimuth_rad), 0.0);
+  double reach = 0.0;
+  for (int t = 0; t < track.frame_count(); ++t) reach = std::max(reach, away.dot(Pelvis(track, t)));
+  const double distance = std::max(camera.distance_mm, reach + 0.6 * camera.distance_mm);
+  return away * distance +
+         Eigen::Vector3d(0.0, 0.0, kAimHeightMm + camera.distance_mm * std::tan(camera.elevation_rad));
+}
 
-  [[nodiscard]] std::vector<FilmingCamera> Film(const LandmarkTrack& track, Rng rng) const override {
-    std::vector<FilmingCamera> filming;
-    for (const PtzCamera& camera : cameras_) {
-      Rng own(rng.Bits());
-      filming.push_back(
-          {fmt::format("cam{}", filming.size() + 1), camera.lens.image_size, FilmOne(camera, track, own)});
-    }
-    return filming;
+std::vector<Camera> FilmOne(const PtzCamera& ptz, const LandmarkTrack& track, Rng& rng) {
+  std::vector<Camera> cameras(static_cast<std::size_t>(track.frame_count()));
+  if (cameras.empty()) return cameras;
+  const Eigen::Vector3d position = Place(ptz, track);
+  const double stature_mm = StatureMm(&track.At(0, 0));
+  Follower follower = FollowPelvis(track, kPtzLagSeconds);
+  SmoothNoise error_x(kPtzAimTimeSeconds, track.fps, rng);
+  SmoothNoise error_y(kPtzAimTimeSeconds, track.fps, rng);
+  SmoothNoise zoom(kFillTimeSeconds, track.fps, rng);
+  SmoothNoise roll(2.0, track.fps, rng);
+  const int height_px = ptz.lens.image_size[1];
+  for (int t = 0; t < track.frame_count(); ++t) {
+    Camera& camera = cameras[static_cast<std::size_t>(t)];
+    const Eigen::Vector3d& pelvis = Pelvis(track, t);
+    const Eigen::Vector3d& followed = follower.Next(pelvis);
+    const double liking = std::clamp(ptz.fill + 0.15 * zoom.Next(rng), 0.0, 1.0);
+    const double fill = kLeastFill + (kMostFill - kLeastFill) * liking;
+    const double depth = (followed - position).norm();
+    const double focal_px = fill * height_px * depth / stature_mm;
+    ptz.lens.Apply(focal_px, camera);
+    // Lag and unsteady hands together move the subject off the centre, no further than an operator lets it.
+    Aim(position, followed, 0.0, camera);
+    const Eigen::Vector3d seen = camera.InCamera(pelvis);
+    const Eigen::Vector2d lag = seen.head<2>() * (focal_px / (seen.z() * height_px));
+    const Eigen::Vector2d offset(Limited(lag.x() + kPtzAimError * error_x.Next(rng), kPtzMostOffset),
+                                 Limited(lag.y() + kPtzAimError * error_y.Next(rng), kPtzMostOffset / 2.0));
+    AimBeside(position, pelvis, offset, focal_px, height_px, Radians(0.7) * roll.Next(rng), camera);
   }
-
- private:
-  /// Where the camera stands: beside the course, so that the subject never comes much nearer than its distance.
-  static Eigen::Vector3d Place(const PtzCamera& camera, const LandmarkTrack& track) {
-    const Eigen::Vector3d away(std::cos(camera.azimuth_rad), std::sin(camera.azimuth_rad), 0.0);
-    double reach = 0.0;
-    for (int t = 0; t < track.frame_count(); ++t) reach = std::max(reach, away.dot(Pelvis(track, t)));
-    const double distance = std::max(camera.distance_mm, reach + 0.6 * camera.distance_mm);
-    return away * distance +
-           Eigen::Vector3d(0.0, 0.0, kAimHeightMm + camera.distance_mm * std::tan(camera.elevation_rad));
-  }
-
-  static std::vector<Camera> FilmOne(const PtzCamera& ptz, const LandmarkTrack& track, Rng& rng) {
-    std::vector<Camera> cameras(static_cast<std::size_t>(track.frame_count()));
-    if (cameras.empty()) return cameras;
-    const Eigen::Vector3d position = Place(ptz, track);
-    const double stature_mm = StatureMm(&track.At(0, 0));
-    Follower follower = FollowPelvis(track, kPtzLagSeconds);
-    SmoothNoise error_x(kPtzAimTimeSeconds, track.fps, rng);
-    SmoothNoise error_y(kPtzAimTimeSeconds, track.fps, rng);
-    SmoothNoise zoom(kFillTimeSeconds, track.fps, rng);
-    SmoothNoise roll(2.0, track.fps, rng);
-    const int height_px = ptz.lens.image_size[1];
-    for (int t = 0; t < track.frame_count(); ++t) {
-      Camera& camera = cameras[static_cast<std::size_t>(t)];
-      const Eigen::Vector3d& pelvis = Pelvis(track, t);
-      const Eigen::Vector3d& followed = follower.Next(pelvis);
-      const double liking = std::clamp(ptz.fill + 0.15 * zoom.Next(rng), 0.0, 1.0);
-      const double fill = kLeastFill + (kMostFill - kLeastFill) * liking;
-      const double depth = (followed - position).norm();
-      const double focal_px = fill * height_px * depth / stature_mm;
-      ptz.lens.Apply(focal_px, camera);
-      // Lag and unsteady hands together move the subject off the centre, no further than an operator lets it.
-      Aim(position, followed, 0.0, camera);
-      const Eigen::Vector3d seen = camera.InCamera(pelvis);
-      const Eigen::Vector2d lag = seen.head<2>() * (focal_px / (seen.z() * height_px));
-      const Eigen::Vector2d offset(Limited(lag.x() + kPtzAimError * error_x.Next(rng), kPtzMostOffset),
-                                   Limited(lag.y() + kPtzAimError * error_y.Next(rng), kPtzMostOffset / 2.0));
-      AimBeside(position, pelvis, offset, focal_px, height_px, Radians(0.7) * roll.Next(rng), camera);
-    }
-    return cameras;
-  }
-
-  std::vector<PtzCamera> cameras_;
-};
+  return cameras;
+}
 
 // --- hand-held ------------------------------------------------------------------------------------------------------
 
@@ -162,14 +143,69 @@ struct HandheldCamera {
   Lens lens;
 };
 
-class HandheldRig : public Rig {
+/// Steps back from a subject that comes too near, or runs through where the operator stands.
+void KeepAway(const Eigen::Vector3d& pelvis, double least_mm, double azimuth, Eigen::Vector3d& position) {
+  const Eigen::Vector2d away(std::cos(azimuth), std::sin(azimuth));
+  const double distance = (position - pelvis).head<2>().dot(away);
+  if (distance < least_mm) position.head<2>() += (least_mm - distance) * away;
+}
+
+std::vector<Camera> FilmOne(const HandheldCamera& person, const LandmarkTrack& track, Rng& rng) {
+  std::vector<Camera> cameras(static_cast<std::size_t>(track.frame_count()));
+  if (cameras.empty()) return cameras;
+  // The operator walks along with the subject, slowly, and turns the camera after it, faster.
+  Follower walk = FollowPelvis(track, 0.8);
+  Follower turn = FollowPelvis(track, 0.15);
+  SmoothNoise orbit(2.0, track.fps, rng);
+  SmoothNoise nearness(2.5, track.fps, rng);
+  SmoothNoise sway(0.7, track.fps, rng);
+  SmoothNoise error_x(0.5, track.fps, rng);
+  SmoothNoise error_y(0.5, track.fps, rng);
+  SmoothNoise shake_x(0.05, track.fps, rng);
+  SmoothNoise shake_y(0.05, track.fps, rng);
+  SmoothNoise roll(0.8, track.fps, rng);
+  const double step_phase = rng.Uniform(0.0, 2.0 * std::numbers::pi);
+  for (int t = 0; t < track.frame_count(); ++t) {
+    Camera& camera = cameras[static_cast<std::size_t>(t)];
+    const double seconds = t / track.fps;
+    const double azimuth = person.azimuth_rad + person.orbit_rad_per_second * seconds + Radians(12.0) * orbit.Next(rng);
+    const double distance = person.distance_mm * (1.0 + Limited(0.1 * nearness.Next(rng), 0.25));
+    // A walker's head bobs at two steps a second.
+    const double bob_mm = 15.0 * std::sin(2.0 * std::numbers::pi * 1.9 * seconds + step_phase);
+    const Eigen::Vector3d centre = walk.Next(Pelvis(track, t));
+    Eigen::Vector3d position(centre.x() + distance * std::cos(azimuth), centre.y() + distance * std::sin(azimuth),
+                             centre.z() - kAimHeightMm + person.height_mm + bob_mm + 40.0 * sway.Next(rng));
+    KeepAway(Pelvis(track, t), 0.6 * person.distance_mm, azimuth, position);
+    person.lens.Apply(person.focal_px, camera);
+    const double distance_now = (Pelvis(track, t) - position).norm();
+    // The aim's errors are angles of the hand: 1.5 degrees slowly, 0.2 degrees of tremble.
+    const double height_px = person.lens.image_size[1];
+    const double per_radian = person.focal_px / height_px;
+    const Eigen::Vector2d offset(
+        Limited(per_radian * (Radians(1.5) * error_x.Next(rng) + Radians(0.2) * shake_x.Next(rng)), 0.12),
+        Limited(per_radian * (Radians(1.5) * error_y.Next(rng) + Radians(0.2) * shake_y.Next(rng)), 0.08));
+    Eigen::Vector3d followed = turn.Next(Pelvis(track, t));
+    const Eigen::Vector3d lag = followed - Pelvis(track, t);
+    const double most_lag = 0.1 * height_px * distance_now / person.focal_px;
+    if (lag.norm() > 0.0) followed = Pelvis(track, t) + lag * (Limited(lag.norm(), most_lag) / lag.norm());
+    AimBeside(position, followed, offset, person.focal_px, person.lens.image_size[1], Radians(1.5) * roll.Next(rng),
+              camera);
+  }
+  return cameras;
+}
+
+// --------------------------------------------------------------------------------------------------------------------
+
+/// Cameras that people operate, of a kind that FilmOne() knows.
+template <typename OperatedCamera>
+class OperatedRig : public Rig {
  public:
-  explicit HandheldRig(std::vector<HandheldCamera> cameras) : cameras_(std::move(cameras)) {}
+  explicit OperatedRig(std::vector<OperatedCamera> cameras) : cameras_(std::move(cameras)) {}
   [[nodiscard]] bool is_static() const override { return false; }
 
   [[nodiscard]] std::vector<FilmingCamera> Film(const LandmarkTrack& track, Rng rng) const override {
     std::vector<FilmingCamera> filming;
-    for (const HandheldCamera& camera : cameras_) {
+    for (const OperatedCamera& camera : cameras_) {
       Rng own(rng.Bits());
       filming.push_back(
           {fmt::format("cam{}", filming.size() + 1), camera.lens.image_size, FilmOne(camera, track, own)});
@@ -178,59 +214,7 @@ class HandheldRig : public Rig {
   }
 
  private:
-  static std::vector<Camera> FilmOne(const HandheldCamera& person, const LandmarkTrack& track, Rng& rng) {
-    std::vector<Camera> cameras(static_cast<std::size_t>(track.frame_count()));
-    if (cameras.empty()) return cameras;
-    // The operator walks along with the subject, slowly, and turns the camera after it, faster.
-    Follower walk = FollowPelvis(track, 0.8);
-    Follower turn = FollowPelvis(track, 0.15);
-    SmoothNoise orbit(2.0, track.fps, rng);
-    SmoothNoise nearness(2.5, track.fps, rng);
-    SmoothNoise sway(0.7, track.fps, rng);
-    SmoothNoise error_x(0.5, track.fps, rng);
-    SmoothNoise error_y(0.5, track.fps, rng);
-    SmoothNoise shake_x(0.05, track.fps, rng);
-    SmoothNoise shake_y(0.05, track.fps, rng);
-    SmoothNoise roll(0.8, track.fps, rng);
-    const double step_phase = rng.Uniform(0.0, 2.0 * std::numbers::pi);
-    for (int t = 0; t < track.frame_count(); ++t) {
-      Camera& camera = cameras[static_cast<std::size_t>(t)];
-      const double seconds = t / track.fps;
-      const double azimuth =
-          person.azimuth_rad + person.orbit_rad_per_second * seconds + Radians(12.0) * orbit.Next(rng);
-      const double distance = person.distance_mm * (1.0 + Limited(0.1 * nearness.Next(rng), 0.25));
-      // A walker's head bobs at two steps a second.
-      const double bob_mm = 15.0 * std::sin(2.0 * std::numbers::pi * 1.9 * seconds + step_phase);
-      const Eigen::Vector3d centre = walk.Next(Pelvis(track, t));
-      Eigen::Vector3d position(centre.x() + distance * std::cos(azimuth), centre.y() + distance * std::sin(azimuth),
-                               centre.z() - kAimHeightMm + person.height_mm + bob_mm + 40.0 * sway.Next(rng));
-      KeepAway(Pelvis(track, t), 0.6 * person.distance_mm, azimuth, position);
-      person.lens.Apply(person.focal_px, camera);
-      const double distance_now = (Pelvis(track, t) - position).norm();
-      // The aim's errors are angles of the hand: 1.5 degrees slowly, 0.2 degrees of tremble.
-      const double height_px = person.lens.image_size[1];
-      const double per_radian = person.focal_px / height_px;
-      const Eigen::Vector2d offset(
-          Limited(per_radian * (Radians(1.5) * error_x.Next(rng) + Radians(0.2) * shake_x.Next(rng)), 0.12),
-          Limited(per_radian * (Radians(1.5) * error_y.Next(rng) + Radians(0.2) * shake_y.Next(rng)), 0.08));
-      Eigen::Vector3d followed = turn.Next(Pelvis(track, t));
-      const Eigen::Vector3d lag = followed - Pelvis(track, t);
-      const double most_lag = 0.1 * height_px * distance_now / person.focal_px;
-      if (lag.norm() > 0.0) followed = Pelvis(track, t) + lag * (Limited(lag.norm(), most_lag) / lag.norm());
-      AimBeside(position, followed, offset, person.focal_px, person.lens.image_size[1], Radians(1.5) * roll.Next(rng),
-                camera);
-    }
-    return cameras;
-  }
-
-  /// Steps back from a subject that comes too near, or runs through where the operator stands.
-  static void KeepAway(const Eigen::Vector3d& pelvis, double least_mm, double azimuth, Eigen::Vector3d& position) {
-    const Eigen::Vector2d away(std::cos(azimuth), std::sin(azimuth));
-    const double distance = (position - pelvis).head<2>().dot(away);
-    if (distance < least_mm) position.head<2>() += (least_mm - distance) * away;
-  }
-
-  std::vector<HandheldCamera> cameras_;
+  std::vector<OperatedCamera> cameras_;
 };
 
 }  // namespace
@@ -248,7 +232,7 @@ std::unique_ptr<Rig> MakePtzRig(const RigOptions& options, Rng& rng) {
     camera.lens = MakeLens({1920, 1080}, options.distortion, rng);
     cameras.push_back(camera);
   }
-  return std::make_unique<PtzRig>(std::move(cameras));
+  return std::make_unique<OperatedRig<PtzCamera>>(std::move(cameras));
 }
 
 std::unique_ptr<Rig> MakeHandheldRig(const RigOptions& options, Rng& rng) {
@@ -269,7 +253,7 @@ std::unique_ptr<Rig> MakeHandheldRig(const RigOptions& options, Rng& rng) {
     camera.lens = MakeLens(image_size, options.distortion, rng);
     cameras.push_back(camera);
   }
-  return std::make_unique<HandheldRig>(std::move(cameras));
+  return std::make_unique<OperatedRig<HandheldCamera>>(std::move(cameras));
 }
 
 }  // namespace canonpose

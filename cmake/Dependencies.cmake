@@ -1,5 +1,6 @@
 # Every library the project uses; all are Debian 12 packages (scripts/setup.sh installs them).
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(Ceres 2.1 REQUIRED COMPONENTS SuiteSparse)
 find_package(fmt REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(nlohmann_json 3.10 REQUIRED)

@@ -113,6 +113,10 @@ void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& fi
       KeepRows(view.confidence, sequence.frame_count, range.first, last);
       KeepRows(view.truth, sequence.frame_count, range.first, last);
       KeepRows(view.solved, sequence.frame_count, range.first, last);
+      KeepRows(view.solved_uncertainty, sequence.frame_count, range.first, last);
+      if (view.solved_calibration.size() > 1) {
+        KeepRows(view.solved_calibration, sequence.frame_count, range.first, last);
+      }
       if (view.calibration.size() > 1) KeepRows(view.calibration, sequence.frame_count, range.first, last);
     }
     sequence.frame_count = last - range.first + 1;

@@ -21,11 +21,21 @@ struct CameraView {
   std::vector<float> confidence;        ///< (T, J) 0..1; 0 where not detected
   std::vector<float> truth;   ///< (T, J, 3) mm, camera frame; empty where the file has none, NaN where unknown
   std::vector<float> solved;  ///< (T, J, 3) camera frame, any one scale; empty or NaN likewise
+  /// (T, J) how far off a solved joint may be: the standard deviation along the worst direction, in the unit of
+  /// `solved`; empty, or NaN where not solved.
+  std::vector<float> solved_uncertainty;
+  /// The cameras that `solve` found, one or T as in `calibration`, in the unit of `solved`: `solved` in camera c is
+  /// R_c x_in_world + t_c, and its pixels are those of K. Empty where there are none.
+  std::vector<Camera> solved_calibration;
   /// Calibration, for evaluation only: one camera, or T of them where it moves; empty where there is none.
   std::vector<Camera> calibration;
 
   [[nodiscard]] const Camera& CalibrationAt(int frame) const {
     return calibration.size() == 1 ? calibration.front() : calibration[static_cast<std::size_t>(frame)];
+  }
+  [[nodiscard]] const Camera& SolvedCalibrationAt(int frame) const {
+    return solved_calibration.size() == 1 ? solved_calibration.front()
+                                          : solved_calibration[static_cast<std::size_t>(frame)];
   }
 };
 

@@ -100,38 +100,45 @@ std::vector<double> ReadCalibrationArray(const h5::Group& group, const std::stri
   return std::move(array.values);
 }
 
-void CheckCamera(const h5::Group& group, const Camera& camera) {
+void CheckCamera(const h5::Group& group, const Camera& camera, const std::string& prefix) {
   const Eigen::Matrix3d& K = camera.K;
   if (!(K(0, 0) > 0.0) || !(K(1, 1) > 0.0) || K(2, 2) != 1.0 || K(1, 0) != 0.0 || K(2, 0) != 0.0 || K(2, 1) != 0.0) {
-    group.Fail("K", "[[fx, s, cx], [0, fy, cy], [0, 0, 1]] with positive focal lengths in pixels", "something else",
-               "");
+    group.Fail(prefix + "K", "[[fx, s, cx], [0, fy, cy], [0, 0, 1]] with positive focal lengths in pixels",
+               "something else", "");
   }
   constexpr double kTolerance = 1e-3;
   const Eigen::Matrix3d& R = camera.camera_from_world_rotation;
   const double error = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (error > kTolerance || R.determinant() < 0.0) {
     group.Fail(
-        "R", "a rotation matrix, x_camera = R * x_world + t",
+        prefix + "R", "a rotation matrix, x_camera = R * x_world + t",
         error > kTolerance ? fmt::format("rows that are not orthonormal (off by {:.2g})", error) : "a reflection", "");
   }
 }
 
-std::vector<Camera> ReadCalibration(const h5::Group& group, int frame_count) {
-  const bool any = group.Has("K") || group.Has("R") || group.Has("t") || group.Has("distortion");
+/// `prefix` tells the cameras that were solved, "solved_", from those that were calibrated, "".
+std::vector<Camera> ReadCalibration(const h5::Group& group, int frame_count, const std::string& prefix) {
+  const std::string K_name = prefix + "K";
+  const std::string R_name = prefix + "R";
+  const std::string t_name = prefix + "t";
+  const std::string distortion_name = prefix + "distortion";
+  const bool any = group.Has(K_name) || group.Has(R_name) || group.Has(t_name) || group.Has(distortion_name);
   if (!any) return {};
-  for (const char* name : {"K", "R", "t"}) {
-    if (!group.Has(name)) group.Fail(name, "K, R and t together", "nothing", "write all of the calibration or none");
+  for (const std::string& name : {K_name, R_name, t_name}) {
+    if (group.Has(name)) continue;
+    group.Fail(name, fmt::format("{}, {} and {} together", K_name, R_name, t_name), "nothing",
+               "write all of the calibration or none");
   }
   std::size_t k_rows = 1;
   std::size_t r_rows = 1;
   std::size_t t_rows = 1;
   std::size_t distortion_rows = 1;
-  const std::vector<double> K = ReadCalibrationArray(group, "K", {3, 3}, frame_count, &k_rows);
-  const std::vector<double> R = ReadCalibrationArray(group, "R", {3, 3}, frame_count, &r_rows);
-  const std::vector<double> t = ReadCalibrationArray(group, "t", {3}, frame_count, &t_rows);
+  const std::vector<double> K = ReadCalibrationArray(group, K_name, {3, 3}, frame_count, &k_rows);
+  const std::vector<double> R = ReadCalibrationArray(group, R_name, {3, 3}, frame_count, &r_rows);
+  const std::vector<double> t = ReadCalibrationArray(group, t_name, {3}, frame_count, &t_rows);
   std::vector<double> distortion(4, 0.0);
-  if (group.Has("distortion")) {
-    distortion = ReadCalibrationArray(group, "distortion", {4}, frame_count, &distortion_rows);
+  if (group.Has(distortion_name)) {
+    distortion = ReadCalibrationArray(group, distortion_name, {4}, frame_count, &distortion_rows);
   }
   using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   std::vector<Camera> cameras(std::max({k_rows, r_rows, t_rows, distortion_rows}));
@@ -141,7 +148,7 @@ std::vector<Camera> ReadCalibration(const h5::Group& group, int frame_count) {
     cameras[i].camera_from_world_rotation = Eigen::Map<const RowMajor>(&R[9 * row(r_rows, i)]);
     cameras[i].camera_from_world_translation_mm = Eigen::Map<const Eigen::Vector3d>(&t[3 * row(t_rows, i)]);
     std::copy_n(&distortion[4 * row(distortion_rows, i)], 4, cameras[i].distortion.begin());
-    CheckCamera(group, cameras[i]);
+    CheckCamera(group, cameras[i], prefix);
   }
   return cameras;
 }
@@ -181,7 +188,11 @@ CameraView ReadCamera(const h5::Group& group, const std::string& name, const Ske
     *values = ReadArray(group, array, pose_shape, "frames, joints, x y z");
     CheckPoses(*values, array, place);
   }
-  view.calibration = ReadCalibration(group, frames);
+  if (group.Has("solved_uncertainty")) {
+    view.solved_uncertainty = ReadArray(group, "solved_uncertainty", {shape[0], joints}, "frames, joints");
+  }
+  view.calibration = ReadCalibration(group, frames, "");
+  view.solved_calibration = ReadCalibration(group, frames, "solved_");
   return view;
 }
 
@@ -264,7 +275,7 @@ std::vector<std::size_t> WithRows(std::size_t rows, std::vector<std::size_t> tai
   return tail;
 }
 
-void WriteCalibration(h5::Group& group, const std::vector<Camera>& cameras) {
+void WriteCalibration(h5::Group& group, const std::vector<Camera>& cameras, const std::string& prefix) {
   if (cameras.empty()) return;
   std::vector<double> K;
   std::vector<double> R;
@@ -288,10 +299,10 @@ void WriteCalibration(h5::Group& group, const std::vector<Camera>& cameras) {
   const std::size_t distortion_rows = same_distortion ? 1 : cameras.size();
   K.resize(9 * K_rows);
   distortion.resize(4 * distortion_rows);
-  Write(group, "K", K, WithRows(K_rows, {3, 3}));
-  Write(group, "R", R, WithRows(cameras.size(), {3, 3}));
-  Write(group, "t", t, WithRows(cameras.size(), {3}));
-  Write(group, "distortion", distortion, WithRows(distortion_rows, {4}));
+  Write(group, prefix + "K", K, WithRows(K_rows, {3, 3}));
+  Write(group, prefix + "R", R, WithRows(cameras.size(), {3, 3}));
+  Write(group, prefix + "t", t, WithRows(cameras.size(), {3}));
+  Write(group, prefix + "distortion", distortion, WithRows(distortion_rows, {4}));
 }
 
 /// Names become groups of the file, so some cannot be used.
@@ -378,8 +389,10 @@ void DatasetWriter::Add(const Sequence& sequence) {
     CheckName(state_->path, view.name, "camera");
     CANONPOSE_CHECK(view.keypoints.size() == frames * joints * 2 && view.confidence.size() == frames * joints,
                     "{} and {} values for {} frames", view.keypoints.size(), view.confidence.size(), frames);
-    CANONPOSE_CHECK(view.calibration.size() <= 1 || view.calibration.size() == frames, "{} cameras for {} frames",
-                    view.calibration.size(), frames);
+    for (const auto* cameras_of_view : {&view.calibration, &view.solved_calibration}) {
+      CANONPOSE_CHECK(cameras_of_view->size() <= 1 || cameras_of_view->size() == frames, "{} cameras for {} frames",
+                      cameras_of_view->size(), frames);
+    }
     h5::Group camera = cameras.Create(view.name);
     const Place place{state_->path.string(), camera.path(), &state_->skeleton};
     CheckKeypoints(view, place);
@@ -392,7 +405,13 @@ void DatasetWriter::Add(const Sequence& sequence) {
       CheckPoses(*values, array, place);
       Write(camera, array, *values, {frames, joints, 3});
     }
-    WriteCalibration(camera, view.calibration);
+    if (!view.solved_uncertainty.empty()) {
+      CANONPOSE_CHECK(view.solved_uncertainty.size() == frames * joints, "{} values for {} frames",
+                      view.solved_uncertainty.size(), frames);
+      Write(camera, "solved_uncertainty", view.solved_uncertainty, {frames, joints});
+    }
+    WriteCalibration(camera, view.calibration, "");
+    WriteCalibration(camera, view.solved_calibration, "solved_");
   }
 }
 

@@ -13,6 +13,7 @@ void AddSimulateCommand(CLI::App& app);
 void AddTrainCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddLiftCommand(CLI::App& app);
+void AddSolveCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 
 }  // namespace canonpose

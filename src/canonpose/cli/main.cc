@@ -50,6 +50,7 @@ int Main(int argc, char** argv) {
   AddTrainCommand(app);
   AddEvaluateCommand(app);
   AddLiftCommand(app);
+  AddSolveCommand(app);
   AddInfoCommand(app);
 
   try {

@@ -1,0 +1,268 @@
+#include "canonpose/solve/adjustment.h"
+
+#include <cmath>
+#include <memory>
+
+#include <ceres/loss_function.h>
+#include <ceres/manifold.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include "canonpose/base/error.h"
+#include "canonpose/solve/residuals.h"
+
+namespace canonpose {
+namespace {
+
+/// Builds the problem term by term; Adjust() below is the plot.
+class AdjustmentProblem {
+ public:
+  AdjustmentProblem(const CaptureObservations& capture, std::span<const int> frames, const AdjustmentOptions& options,
+                    RigEstimate& estimate)
+      : capture_(capture),
+        frames_(frames),
+        runs_(RunsOf(capture, frames)),
+        options_(options),
+        estimate_(estimate),
+        problem_(ProblemOptions()),
+        observation_loss_(options.loss_scale),
+        acceleration_loss_(1.5) {}
+
+  void AddObservations();
+  void AddBones();
+  void AddUnit();
+  void AddAccelerations();
+  void AddCameraMotion();
+  void AddFocalPriors();
+  void FixWhatIsKnown();
+  bool Solve();
+
+ private:
+  static ceres::Problem::Options ProblemOptions() {
+    ceres::Problem::Options options;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.disable_all_safety_checks = true;
+    return options;
+  }
+  [[nodiscard]] bool IsSolved(int frame, int joint) const { return estimate_.Joint(frame, joint).allFinite(); }
+  double* JointData(int frame, int joint) { return estimate_.Joint(frame, joint).data(); }
+  /// Runs of at least `length` consecutive frames end at element i.
+  [[nodiscard]] bool FollowsRun(std::size_t i, std::size_t length) const {
+    return i + 1 >= length && runs_[i] == runs_[i + 1 - length];
+  }
+  void AddFreeObservations(int frame, int view, double weight);
+  void AddKnownObservations(int frame, int joint);
+  [[nodiscard]] double ObservationWeight(int frame, int view) const {
+    return 1.0 / estimate_.ImageScale(frame, view, capture_.skeleton.root);
+  }
+
+  const CaptureObservations& capture_;
+  std::span<const int> frames_;
+  std::vector<int> runs_;
+  const AdjustmentOptions& options_;
+  RigEstimate& estimate_;
+  ceres::Problem problem_;
+  ceres::CauchyLoss observation_loss_;
+  ceres::HuberLoss acceleration_loss_;
+  ceres::QuaternionManifold quaternions_;
+  bool has_observations_ = false;
+};
+
+void AdjustmentProblem::AddFreeObservations(int frame, int view, double weight) {
+  CameraEstimate& camera = estimate_.CameraAt(frame, view);
+  for (int j = 0; j < capture_.joint_count(); ++j) {
+    if (!capture_.Sees(frame, view, j) || !IsSolved(frame, j)) continue;
+    const double joint_weight =
+        weight / options_.scales.observation.Scatter(j, capture_.confidence[capture_.Index(frame, view, j)]);
+    const Eigen::Vector2d observed = capture_.At(frame, view, j);
+    ceres::CostFunction* term = estimate_.static_cameras ? ReprojectionTerm<false>::Create(observed, joint_weight)
+                                                         : ReprojectionTerm<true>::Create(observed, joint_weight);
+    problem_.AddResidualBlock(term, &observation_loss_, camera.quaternion.data(), camera.placement.data(),
+                              &camera.log_focal, JointData(frame, j));
+    has_observations_ = true;
+  }
+}
+
+void AdjustmentProblem::AddKnownObservations(int frame, int joint) {
+  if (!IsSolved(frame, joint)) return;
+  std::vector<KnownView> views;
+  for (int v = 0; v < capture_.view_count(); ++v) {
+    const CameraEstimate& camera = estimate_.CameraAt(frame, v);
+    if (!camera.valid || !capture_.Sees(frame, v, joint)) continue;
+    const double weight =
+        ObservationWeight(frame, v) /
+        options_.scales.observation.Scatter(joint, capture_.confidence[capture_.Index(frame, v, joint)]);
+    if (!(weight > 0.0) || !std::isfinite(weight)) continue;
+    views.push_back(
+        {camera.Rotation(), estimate_.Translation(frame, v), camera.Focal(), capture_.At(frame, v, joint), weight});
+  }
+  if (views.empty()) return;
+  problem_.AddResidualBlock(new JointInViewsTerm(std::move(views), options_.loss_scale), nullptr,
+                            JointData(frame, joint));
+  has_observations_ = true;
+}
+
+void AdjustmentProblem::AddObservations() {
+  for (const int frame : frames_) {
+    if (!options_.free_cameras) {
+      for (int j = 0; j < capture_.joint_count(); ++j) AddKnownObservations(frame, j);
+      continue;
+    }
+    for (int v = 0; v < capture_.view_count(); ++v) {
+      if (!estimate_.CameraAt(frame, v).valid) continue;
+      const double weight = ObservationWeight(frame, v);
+      if (weight > 0.0 && std::isfinite(weight)) AddFreeObservations(frame, v, weight);
+    }
+  }
+}
+
+void AdjustmentProblem::AddBones() {
+  for (const int frame : frames_) {
+    std::vector<double>& lengths = estimate_.log_bone_lengths[static_cast<std::size_t>(capture_.ClipOf(frame).subject)];
+    for (int j = 0; j < capture_.joint_count(); ++j) {
+      const int parent = capture_.skeleton.parents[static_cast<std::size_t>(j)];
+      if (parent < 0 || !IsSolved(frame, j) || !IsSolved(frame, parent)) continue;
+      if (!std::isfinite(lengths[static_cast<std::size_t>(j)])) continue;
+      problem_.AddResidualBlock(BoneTerm::Create(1.0 / options_.scales.bone), nullptr, JointData(frame, j),
+                                JointData(frame, parent), &lengths[static_cast<std::size_t>(j)]);
+    }
+  }
+}
+
+void AdjustmentProblem::AddUnit() {
+  constexpr double kWeight = 1e3;
+  if (!options_.free_bones) return;
+  for (std::vector<double>& lengths : estimate_.log_bone_lengths) {
+    std::vector<double*> bones;
+    for (double& length : lengths) {
+      if (problem_.HasParameterBlock(&length)) bones.push_back(&length);
+    }
+    if (bones.empty()) continue;
+    problem_.AddResidualBlock(new UnitTerm(static_cast<int>(bones.size()), kWeight), nullptr, bones);
+    return;  // cameras tie the other subjects to the first
+  }
+}
+
+void AdjustmentProblem::AddAccelerations() {
+  if (options_.scales.acceleration.empty()) return;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    if (!FollowsRun(i, 3)) continue;
+    for (int j = 0; j < capture_.joint_count(); ++j) {
+      const int last = frames_[i];
+      if (!IsSolved(last - 2, j) || !IsSolved(last - 1, j) || !IsSolved(last, j)) continue;
+      problem_.AddResidualBlock(new AccelerationTerm(1.0 / options_.scales.acceleration[static_cast<std::size_t>(j)]),
+                                &acceleration_loss_, JointData(last - 2, j), JointData(last - 1, j),
+                                JointData(last, j));
+    }
+  }
+}
+
+void AdjustmentProblem::AddCameraMotion() {
+  if (estimate_.static_cameras || !options_.free_cameras) return;
+  const AdjustmentScales& scales = options_.scales;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    if (!FollowsRun(i, 2)) continue;
+    const double fps = capture_.ClipOf(frames_[i]).fps;
+    for (int v = 0; v < capture_.view_count(); ++v) {
+      CameraEstimate& now = estimate_.CameraAt(frames_[i], v);
+      CameraEstimate& before = estimate_.CameraAt(frames_[i] - 1, v);
+      if (!now.valid || !before.valid) continue;
+      problem_.AddResidualBlock(TurningTerm::Create(fps / scales.turning_per_second), nullptr, before.quaternion.data(),
+                                now.quaternion.data());
+      problem_.AddResidualBlock(ZoomTerm::Create(std::sqrt(fps) / scales.zoom_per_second), nullptr, &before.log_focal,
+                                &now.log_focal);
+      if (!FollowsRun(i, 3)) continue;
+      CameraEstimate& earlier = estimate_.CameraAt(frames_[i] - 2, v);
+      if (!earlier.valid) continue;
+      problem_.AddResidualBlock(TurningChangeTerm::Create(fps * fps / scales.turning_change_per_second2), nullptr,
+                                earlier.quaternion.data(), before.quaternion.data(), now.quaternion.data());
+    }
+  }
+}
+
+void AdjustmentProblem::AddFocalPriors() {
+  if (!options_.free_cameras) return;
+  // A prior for each camera, or for each frame of a moving one: then as weak as if it were one for the whole run.
+  const double weight = estimate_.static_cameras ? 1.0 : 1.0 / std::sqrt(static_cast<double>(frames_.size()));
+  const int frame_count = estimate_.static_cameras ? 1 : static_cast<int>(frames_.size());
+  for (int i = 0; i < frame_count; ++i) {
+    for (int v = 0; v < capture_.view_count(); ++v) {
+      CameraEstimate& camera = estimate_.CameraAt(frames_[static_cast<std::size_t>(i)], v);
+      if (!camera.valid) continue;
+      const std::vector<double>& expected = options_.scales.expected_log_focal;
+      problem_.AddResidualBlock(PriorTerm::Create(expected.empty() ? 0.0 : expected[static_cast<std::size_t>(v)],
+                                                  weight / options_.scales.log_focal),
+                                nullptr, &camera.log_focal);
+    }
+  }
+}
+
+void AdjustmentProblem::FixWhatIsKnown() {
+  if (options_.free_cameras) {
+    for (const int frame : frames_) {
+      for (int v = 0; v < capture_.view_count(); ++v) {
+        CameraEstimate& camera = estimate_.CameraAt(frame, v);
+        if (!problem_.HasParameterBlock(camera.quaternion.data())) continue;
+        problem_.SetManifold(camera.quaternion.data(), &quaternions_);
+        if (v != options_.fixed_view || !estimate_.static_cameras) continue;
+        problem_.SetParameterBlockConstant(camera.quaternion.data());
+        problem_.SetParameterBlockConstant(camera.placement.data());
+      }
+      if (estimate_.static_cameras) break;
+    }
+  }
+  if (!estimate_.static_cameras) {
+    // The world of each frame is centred on the root.
+    for (const int frame : frames_) {
+      double* root = JointData(frame, capture_.skeleton.root);
+      if (problem_.HasParameterBlock(root)) problem_.SetParameterBlockConstant(root);
+    }
+  }
+  if (options_.free_bones) return;
+  for (std::vector<double>& lengths : estimate_.log_bone_lengths) {
+    for (double& length : lengths) {
+      if (problem_.HasParameterBlock(&length)) problem_.SetParameterBlockConstant(&length);
+    }
+  }
+}
+
+bool AdjustmentProblem::Solve() {
+  if (!has_observations_) return false;
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = options_.iterations;
+  options.function_tolerance = 1e-5;
+  options.parameter_tolerance = 1e-7;
+  options.num_threads = 1;  // the same bits whatever the machine; windows run side by side instead
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem_, &summary);
+  return summary.IsSolutionUsable();
+}
+
+}  // namespace
+
+std::vector<int> RunsOf(const CaptureObservations& capture, std::span<const int> frames) {
+  std::vector<int> runs(frames.size(), 0);
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    const bool follows = frames[i] == frames[i - 1] + 1 && capture.ClipOf(frames[i]).first != frames[i];
+    runs[i] = runs[i - 1] + (follows ? 0 : 1);
+  }
+  return runs;
+}
+
+bool Adjust(const CaptureObservations& capture, std::span<const int> frames, const AdjustmentOptions& options,
+            RigEstimate& estimate) {
+  AdjustmentProblem problem(capture, frames, options, estimate);
+  problem.AddObservations();
+  problem.AddBones();
+  problem.AddUnit();
+  problem.AddAccelerations();
+  problem.AddCameraMotion();
+  problem.AddFocalPriors();
+  problem.FixWhatIsKnown();
+  return problem.Solve();
+}
+
+}  // namespace canonpose

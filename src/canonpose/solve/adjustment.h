@@ -1,0 +1,57 @@
+// The bundle adjustment of some frames of a capture: what it minimises and what it leaves fixed.
+//
+//   E = sum over n, v, j  rho( |x_nvj - project(camera_nv, X_nj)| / (s_nv sigma_nvj) )         what is seen
+//     + sum over n, bones ( log(|X_na - X_nb| / L_b) / sigma_bone )^2                         limbs keep their length
+//     + sum over n, j     huber( |X_n-1j - 2 X_nj + X_n+1j| / sigma_acc_j )                   motion is smooth
+//     + moving cameras: (turning / sigma_turn)^2 + (change of turning / sigma_turn2)^2 + (zoom / sigma_zoom)^2
+//     + (log focal length / sigma_focal)^2
+//
+// s_nv is the image scale of a body unit, so that errors count in the body's size; sigma_nvj the scatter of the joint
+// at its confidence; rho Cauchy's loss. The bone lengths L_b are unknown; so are the focal lengths. Frames are coupled
+// by smoothness to their neighbours alone and by few parameters to all, so that the normal equations are banded with a
+// border: Ceres's sparse Cholesky factorisation needs time and memory that grow with the number of frames. The joints
+// of a frame are eliminated first.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "canonpose/solve/noise_model.h"
+#include "canonpose/solve/observations.h"
+#include "canonpose/solve/rig_estimate.h"
+
+namespace canonpose {
+
+/// The scatter that the terms are weighted by. Lengths are in body units (rig_estimate.h), angles in radians.
+struct AdjustmentScales {
+  NoiseModel observation;            ///< error of detected joints
+  double bone = 0.03;                ///< relative
+  std::vector<double> acceleration;  ///< (J) per frame^2; empty: no smoothness
+  double turning_per_second = 1.0;
+  double turning_change_per_second2 = 1.75;
+  double zoom_per_second = 0.1;  ///< change of the log focal length in one second, growing with the root of time
+  double log_focal = 0.7;        ///< of the logarithm of the focal length
+  std::vector<double> expected_log_focal;  ///< (V); empty: 0, an image diagonal
+};
+
+/// Of Cauchy's loss, in units of the observation's scatter.
+inline constexpr double kLossScale = 2.0;
+
+struct AdjustmentOptions {
+  AdjustmentScales scales;
+  bool free_cameras = true;
+  bool free_bones = true;
+  double loss_scale = kLossScale;
+  int iterations = 30;
+  int fixed_view = -1;  ///< static cameras: the one that is the world; -1: none is held
+};
+
+/// Improves `estimate` at `frames` (ascending). Joints that are NaN, and cameras that are not valid, take no part.
+/// Returns false, the estimate as good as it got, where the solver failed.
+bool Adjust(const CaptureObservations& capture, std::span<const int> frames, const AdjustmentOptions& options,
+            RigEstimate& estimate);
+
+/// The number of the run of consecutive frames of one clip that each of `frames` belongs to.
+std::vector<int> RunsOf(const CaptureObservations& capture, std::span<const int> frames);
+
+}  // namespace canonpose

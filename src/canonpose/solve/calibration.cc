@@ -1,0 +1,149 @@
+#include "canonpose/solve/calibration.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include "canonpose/base/parallel.h"
+#include "canonpose/solve/initialisation.h"
+#include "canonpose/solve/median.h"
+#include "canonpose/solve/rotation_averaging.h"
+
+namespace canonpose {
+namespace {
+
+/// Rotations need more frames than the adjustment, and cost less.
+constexpr int kRotationFrames = 2000;
+/// Relative rotations of moving cameras are averaged over this long before and after.
+constexpr double kRotationSeconds = 0.5;
+/// Runs of consecutive frames that moving cameras are calibrated from.
+constexpr int kRuns = 4;
+constexpr int kRunFrames = 50;
+
+/// `count` of `frames`, evenly spread.
+std::vector<int> Spread(const std::vector<int>& frames, int count) {
+  if (static_cast<int>(frames.size()) <= count) return frames;
+  std::vector<int> chosen;
+  for (int i = 0; i < count; ++i) {
+    chosen.push_back(frames[static_cast<std::size_t>(i) * frames.size() / static_cast<std::size_t>(count)]);
+  }
+  return chosen;
+}
+
+/// From far off with a wide loss to the scatter that there is.
+void AdjustTwice(const CaptureObservations& capture, std::span<const int> frames, int fixed_view, Solution& solution) {
+  AdjustmentOptions options;
+  options.fixed_view = fixed_view;
+  options.scales = solution.scales;
+  options.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+  options.loss_scale = 3.0;
+  options.iterations = 15;
+  Adjust(capture, frames, options, solution.estimate);
+  options.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+  options.loss_scale = kLossScale;
+  options.iterations = 30;
+  Adjust(capture, frames, options, solution.estimate);
+  solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+}
+
+/// Solves from the lifter's poses and from their depth mirror, and keeps what explains the keypoints better. Without
+/// sure evidence the lifter is right: it has learnt from people, or its own mirror was decided when it was trained.
+Solution DecideMirror(const CaptureObservations& capture, std::span<const int> frames,
+                      const CalibrationOptions& options, const std::function<Solution(bool mirrored)>& solve) {
+  if (options.mirror != "auto") return solve(options.mirror == "flip");
+  std::array<Solution, 2> solutions;
+  InParallel(2, options.threads, [&](int i) { solutions[static_cast<std::size_t>(i)] = solve(i == 1); });
+  const double preference = Preference(capture, frames, solutions[0], solutions[1]);
+  Solution& best = solutions[preference < -kSureSigma ? 1 : 0];
+  best.mirror_sigma = std::abs(preference);
+  if (preference < 0.0 && !best.mirrored) best.mirror_sigma = preference;
+  return std::move(best);
+}
+
+int ReferenceView(std::span<const Eigen::Matrix3d> camera_from_world) {
+  for (std::size_t v = 0; v < camera_from_world.size(); ++v) {
+    if (camera_from_world[v].isIdentity(1e-12)) return static_cast<int>(v);
+  }
+  return -1;
+}
+
+/// Frames of the runs, ascending.
+std::vector<int> RunsOfFrames(int frame_count) {
+  const int runs = std::clamp(frame_count / kRunFrames, 1, kRuns);
+  std::vector<int> frames;
+  for (int r = 0; r < runs; ++r) {
+    const int first = runs == 1 ? 0 : r * (frame_count - kRunFrames) / (runs - 1);
+    for (int n = first; n < std::min(frame_count, first + kRunFrames); ++n) {
+      if (frames.empty() || n > frames.back()) frames.push_back(n);
+    }
+  }
+  return frames;
+}
+
+/// Gives every frame the median focal length that its camera has in `frames`.
+void SpreadFocalLengths(const CaptureObservations& capture, std::span<const int> frames, Solution& solution) {
+  std::vector<double>& expected = solution.scales.expected_log_focal;
+  expected.assign(capture.cameras.size(), 0.0);
+  for (int v = 0; v < capture.view_count(); ++v) {
+    std::vector<double> found;
+    for (const int frame : frames) {
+      const CameraEstimate& camera = solution.estimate.CameraAt(frame, v);
+      if (camera.valid) found.push_back(camera.log_focal);
+    }
+    if (found.empty()) continue;
+    double& focal = expected[static_cast<std::size_t>(v)];
+    focal = Median(std::move(found));
+    for (int n = 0; n < capture.frame_count; ++n) {
+      if (!std::binary_search(frames.begin(), frames.end(), n)) solution.estimate.CameraAt(n, v).log_focal = focal;
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<int> FramesWithStart(const CaptureObservations& capture) {
+  std::vector<int> frames;
+  for (int n = 0; n < capture.frame_count; ++n) {
+    int views = 0;
+    for (int v = 0; v < capture.view_count(); ++v) views += capture.HasStart(n, v) ? 1 : 0;
+    if (views >= 2) frames.push_back(n);
+  }
+  return frames;
+}
+
+Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOptions& options) {
+  const std::vector<int> usable = FramesWithStart(capture);
+  const std::vector<int> frames = Spread(usable, options.frames);
+  const StaticRotations rotations = AverageStaticRotations(capture, Spread(usable, kRotationFrames));
+  return DecideMirror(capture, frames, options, [&](bool mirrored) {
+    std::vector<Eigen::Matrix3d> camera_from_world = rotations.camera_from_world;
+    if (mirrored) std::ranges::transform(camera_from_world, camera_from_world.begin(), MirrorRotation);
+    Solution solution;
+    solution.mirrored = mirrored;
+    solution.estimate = InitialiseStatic(capture, frames, camera_from_world, mirrored);
+    AdjustTwice(capture, frames, ReferenceView(camera_from_world), solution);
+    return solution;
+  });
+}
+
+Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOptions& options) {
+  const std::vector<int> usable = FramesWithStart(capture);
+  const std::vector<int> frames = RunsOfFrames(capture.frame_count);
+  const auto rotations = SmoothedRotations(capture, kRotationSeconds);
+  return DecideMirror(capture, frames, options, [&](bool mirrored) {
+    auto camera_from_world = rotations;
+    for (std::vector<Eigen::Matrix3d>& views : camera_from_world) {
+      if (mirrored) std::ranges::transform(views, views.begin(), MirrorRotation);
+    }
+    Solution solution;
+    solution.mirrored = mirrored;
+    solution.estimate = InitialiseMoving(capture, usable, camera_from_world, mirrored);
+    solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
+    AdjustTwice(capture, frames, -1, solution);
+    SpreadFocalLengths(capture, frames, solution);
+    return solution;
+  });
+}
+
+}  // namespace canonpose

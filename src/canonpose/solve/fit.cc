@@ -1,0 +1,135 @@
+#include "canonpose/solve/fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+
+#include "canonpose/solve/median.h"
+
+namespace canonpose {
+namespace {
+
+/// Cauchy's loss of each frame's keypoints, mean over those of the frame; NaN for frames without.
+std::vector<double> FrameCosts(const CaptureObservations& capture, std::span<const int> frames,
+                               const RigEstimate& estimate, const NoiseModel& noise) {
+  std::vector<double> costs;
+  for (const int frame : frames) {
+    double sum = 0.0;
+    int count = 0;
+    VisitErrors(capture, std::span(&frame, 1), estimate, [&](int n, int v, int j, double error) {
+      const double scatter = noise.Scatter(j, capture.confidence[capture.Index(n, v, j)]);
+      sum += std::log1p(std::pow(error / scatter, 2) / (kLossScale * kLossScale));
+      ++count;
+    });
+    costs.push_back(sum / count);
+  }
+  return costs;
+}
+
+}  // namespace
+
+NoiseModel MeasureNoise(const CaptureObservations& capture, std::span<const int> frames, const RigEstimate& estimate) {
+  std::vector<KeypointError> errors;
+  VisitErrors(capture, frames, estimate, [&](int n, int v, int j, double error) {
+    errors.push_back({j, capture.confidence[capture.Index(n, v, j)], error});
+  });
+  return {std::move(errors), capture.joint_count()};
+}
+
+std::vector<double> MeasureAccelerations(const CaptureObservations& capture, const RigEstimate& estimate) {
+  std::vector<double> scatter;
+  for (int j = 0; j < capture.joint_count(); ++j) {
+    std::vector<double> squares;
+    constexpr int kSteps[] = {1, 3};
+    for (const int step : kSteps) {
+      std::vector<double> lengths;
+      for (const ClipRange& clip : capture.clips) {
+        for (int n = clip.first + step; n + step < clip.first + clip.count; ++n) {
+          const double length =
+              (estimate.Joint(n - step, j) - 2.0 * estimate.Joint(n, j) + estimate.Joint(n + step, j)).norm();
+          if (std::isfinite(length)) lengths.push_back(length);
+        }
+      }
+      squares.push_back(lengths.empty() ? 0.0 : std::pow(Median(std::move(lengths)), 2));
+    }
+    // s1 = e + a, s3 = e + 81 a.
+    const double acceleration2 = std::max((squares[1] - squares[0]) / 80.0, 0.0);
+    // The median length of a 3-vector is 1.54 of its scatter along an axis.
+    scatter.push_back(std::max(std::sqrt(acceleration2) / 1.54, 1e-5));
+  }
+  return scatter;
+}
+
+double Preference(const CaptureObservations& capture, std::span<const int> frames, const Solution& a,
+                  const Solution& b) {
+  const NoiseModel& noise =
+      a.scales.observation.Typical() < b.scales.observation.Typical() ? a.scales.observation : b.scales.observation;
+  const std::vector<double> of_a = FrameCosts(capture, frames, a.estimate, noise);
+  const std::vector<double> of_b = FrameCosts(capture, frames, b.estimate, noise);
+  constexpr double kBlockSeconds = 0.5;
+  std::vector<double> blocks;
+  int block_begin = -1;
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const double difference = of_b[i] - of_a[i];
+    const ClipRange& clip = capture.ClipOf(frames[i]);
+    if (block_begin < 0 || frames[i] - block_begin > kBlockSeconds * clip.fps || clip.first > block_begin) {
+      if (count > 0) blocks.push_back(sum / count);
+      block_begin = frames[i];
+      sum = 0.0;
+      count = 0;
+    }
+    if (!std::isfinite(difference)) continue;
+    sum += difference;
+    ++count;
+  }
+  if (count > 0) blocks.push_back(sum / count);
+  if (blocks.size() < 2) return 0.0;
+  double mean = 0.0;
+  for (const double block : blocks) mean += block / static_cast<double>(blocks.size());
+  double variance = 0.0;
+  for (const double block : blocks) variance += std::pow(block - mean, 2) / static_cast<double>(blocks.size() - 1);
+  return mean / std::sqrt(variance / static_cast<double>(blocks.size()) + 1e-12);
+}
+
+double JointUncertainty(const CaptureObservations& capture, int frame, int joint, const Solution& solution) {
+  const RigEstimate& estimate = solution.estimate;
+  const Eigen::Vector3d at = estimate.Joint(frame, joint);
+  if (!at.allFinite()) return std::nan("");
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  for (int v = 0; v < capture.view_count(); ++v) {
+    const CameraEstimate& camera = estimate.CameraAt(frame, v);
+    if (!camera.valid || !capture.Sees(frame, v, joint)) continue;
+    const double scatter =
+        solution.scales.observation.Scatter(joint, capture.confidence[capture.Index(frame, v, joint)]);
+    const Eigen::Vector3d in_camera = estimate.InCamera(frame, v, joint);
+    const double scale = estimate.ImageScale(frame, v, capture.skeleton.root);
+    const double error = (estimate.Project(frame, v, joint) - capture.At(frame, v, joint)).norm() / scale / scatter;
+    Eigen::Matrix<double, 2, 3> rows = camera.Rotation().topRows<2>();
+    rows -= in_camera.head<2>() / in_camera.z() * camera.Rotation().row(2);
+    const double weight = 1.0 / (1.0 + 0.25 * error * error) / (scatter * scatter);
+    information += weight * rows.transpose() * rows;
+  }
+  const std::vector<int>& parents = capture.skeleton.parents;
+  for (int other = 0; other < capture.joint_count(); ++other) {
+    const bool is_bone =
+        parents[static_cast<std::size_t>(joint)] == other || parents[static_cast<std::size_t>(other)] == joint;
+    if (!is_bone || !estimate.Joint(frame, other).allFinite()) continue;
+    const Eigen::Vector3d bone = at - estimate.Joint(frame, other);
+    // The joint at the other end is about as uncertain as this one.
+    const double scatter = std::hypot(solution.scales.bone * bone.norm(), solution.scales.observation.Typical());
+    information += bone.normalized() * bone.normalized().transpose() / (scatter * scatter);
+  }
+  if (!solution.scales.acceleration.empty()) {
+    const double scatter = 3.0 * solution.scales.acceleration[static_cast<std::size_t>(joint)] +
+                           2.0 * solution.scales.observation.Typical();
+    information += Eigen::Matrix3d::Identity() / (scatter * scatter);
+  }
+  const double least =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(information, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  return least > 0.0 ? 1.0 / std::sqrt(least) : std::nan("");
+}
+
+}  // namespace canonpose

@@ -1,0 +1,56 @@
+// How well an estimate explains what the cameras saw.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "canonpose/solve/adjustment.h"
+#include "canonpose/solve/noise_model.h"
+#include "canonpose/solve/observations.h"
+#include "canonpose/solve/rig_estimate.h"
+
+namespace canonpose {
+
+/// An estimate and the scales it was adjusted with.
+struct Solution {
+  RigEstimate estimate;
+  AdjustmentScales scales;
+  bool mirrored = false;      ///< found from the depth mirror of the lifter's poses
+  double mirror_sigma = 0.0;  ///< Preference() over the mirrored solution
+};
+
+/// Calls visit(frame, view, joint, error) for every keypoint that the estimate explains; the error is the distance in
+/// body units.
+template <typename Visit>
+void VisitErrors(const CaptureObservations& capture, std::span<const int> frames, const RigEstimate& estimate,
+                 Visit&& visit) {
+  for (const int frame : frames) {
+    for (int v = 0; v < capture.view_count(); ++v) {
+      if (!estimate.CameraAt(frame, v).valid) continue;
+      const double scale = estimate.ImageScale(frame, v, capture.skeleton.root);
+      for (int j = 0; j < capture.joint_count(); ++j) {
+        if (!capture.Sees(frame, v, j) || !estimate.Joint(frame, j).allFinite()) continue;
+        const double error = (estimate.Project(frame, v, j) - capture.At(frame, v, j)).norm() / scale;
+        if (std::isfinite(error)) visit(frame, v, j, error);
+      }
+    }
+  }
+}
+
+NoiseModel MeasureNoise(const CaptureObservations& capture, std::span<const int> frames, const RigEstimate& estimate);
+
+/// The scatter of accelerations of each joint (J), a frame^2, along an axis: from second differences of the estimate's
+/// joints over one and over three frames. An error that is the same for both gives both the same; motion grows with the
+/// square of the step.
+std::vector<double> MeasureAccelerations(const CaptureObservations& capture, const RigEstimate& estimate);
+
+/// How many standard errors `a` explains the frames better than `b`: of the mean difference of robust errors over
+/// blocks of half a second, since frames near in time err alike. 0 where there are too few to tell.
+double Preference(const CaptureObservations& capture, std::span<const int> frames, const Solution& a,
+                  const Solution& b);
+
+/// The standard deviation of a joint along the worst direction, from the views that see it, the lengths of its bones
+/// and the joint's smoothness; body units. NaN where the joint is not solved.
+double JointUncertainty(const CaptureObservations& capture, int frame, int joint, const Solution& solution);
+
+}  // namespace canonpose

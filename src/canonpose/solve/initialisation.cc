@@ -1,0 +1,322 @@
+#include "canonpose/solve/initialisation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/LU>
+
+#include "canonpose/solve/median.h"
+
+namespace canonpose {
+namespace {
+
+/// Weight of the lifter's pose against one view of full confidence.
+constexpr double kPoseWeight = 0.05;
+constexpr int kShapeRounds = 3;
+
+double SumOfBones(const Skeleton& skeleton, const Points3& joints) {
+  double sum = 0.0;
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    const int parent = skeleton.parents[static_cast<std::size_t>(j)];
+    if (parent >= 0) sum += (joints.row(j) - joints.row(parent)).norm();
+  }
+  return sum;
+}
+
+/// The mean of the lifter's poses in the world, (J, 3).
+Points3 MeanStart(const CaptureObservations& capture, int frame, std::span<const Eigen::Matrix3d> camera_from_world,
+                  const std::vector<int>& views, bool mirrored) {
+  Points3 mean = Points3::Zero(capture.joint_count(), 3);
+  for (const int v : views) {
+    Points3 pose = capture.StartOf(frame, v);
+    if (mirrored) pose.col(2) *= -1.0;
+    mean += pose * camera_from_world[static_cast<std::size_t>(v)];  // rows: (R^T p)^T = p^T R
+  }
+  return mean / static_cast<double>(views.size());
+}
+
+/// Least squares scale of a view: keypoints relative to the root against the projected joints.
+double ImageScaleOf(const CaptureObservations& capture, int frame, int view, const Eigen::Matrix3d& rotation,
+                    const Points3& joints) {
+  const Eigen::Vector2d root = capture.At(frame, view, capture.skeleton.root);
+  double product = 0.0;
+  double squares = 0.0;
+  for (int j = 0; j < capture.joint_count(); ++j) {
+    if (!capture.Sees(frame, view, j)) continue;
+    const double weight = std::pow(capture.confidence[capture.Index(frame, view, j)], 2);
+    const Eigen::Vector2d projected = (rotation * joints.row(j).transpose()).head<2>();
+    product += weight * projected.dot(capture.At(frame, view, j) - root);
+    squares += weight * projected.squaredNorm();
+  }
+  return squares > 0.0 ? product / squares : 0.0;
+}
+
+void RefineShape(const CaptureObservations& capture, int frame, std::span<const Eigen::Matrix3d> camera_from_world,
+                 const std::vector<int>& views, const Points3& prior, FrameShape& shape) {
+  for (int j = 0; j < capture.joint_count(); ++j) {
+    Eigen::Matrix3d normal = kPoseWeight * Eigen::Matrix3d::Identity();
+    Eigen::Vector3d right = kPoseWeight * prior.row(j).transpose();
+    for (const int v : views) {
+      if (!capture.Sees(frame, v, j)) continue;
+      const double weight = std::pow(capture.confidence[capture.Index(frame, v, j)], 2);
+      const Eigen::Matrix<double, 2, 3> rows = camera_from_world[static_cast<std::size_t>(v)].topRows<2>();
+      const Eigen::Vector2d seen = (capture.At(frame, v, j) - capture.At(frame, v, capture.skeleton.root)) /
+                                   shape.scales[static_cast<std::size_t>(v)];
+      normal += weight * rows.transpose() * rows;
+      right += weight * rows.transpose() * seen;
+    }
+    shape.joints.row(j) = (normal.inverse() * right).transpose();
+  }
+  shape.joints.rowwise() -= shape.joints.row(capture.skeleton.root).eval();
+}
+
+/// Where the camera sees the root, in its own frame, given a focal length of one image diagonal.
+Eigen::Vector3d RootInCamera(const CaptureObservations& capture, int frame, int view, double scale) {
+  const Eigen::Vector2d root = capture.At(frame, view, capture.skeleton.root);
+  return {root.x() / scale, root.y() / scale, 1.0 / scale};
+}
+
+Eigen::Vector3d MedianPoint(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d median;
+  std::vector<double> values(points.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < points.size(); ++i) values[i] = points[i][axis];
+    median[axis] = Median(values);
+  }
+  return median;
+}
+
+/// Translations of static cameras, one after the other: the next is always the one that shares most frames with those
+/// that are known. Returns the root's place in the world in each of `frames`; NaN where no camera knows it.
+std::vector<Eigen::Vector3d> ChainTranslations(const CaptureObservations& capture, std::span<const int> frames,
+                                               std::span<const Eigen::Matrix3d> camera_from_world,
+                                               const std::vector<FrameShape>& shapes, RigEstimate& estimate) {
+  const auto views = static_cast<std::size_t>(capture.view_count());
+  std::vector<Eigen::Vector3d> root(frames.size());
+  const auto place_roots = [&] {
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      int count = 0;
+      for (std::size_t v = 0; v < views; ++v) {
+        if (!estimate.cameras[v].valid || shapes[i].scales[v] <= 0.0) continue;
+        const Eigen::Vector3d in_camera = RootInCamera(capture, frames[i], static_cast<int>(v), shapes[i].scales[v]);
+        sum +=
+            camera_from_world[v].transpose() * (in_camera - Eigen::Vector3d::Map(estimate.cameras[v].placement.data()));
+        ++count;
+      }
+      root[i] = count > 0 ? Eigen::Vector3d(sum / count) : Eigen::Vector3d::Constant(std::nan(""));
+    }
+  };
+  for (std::size_t known = 0; known < views; ++known) {
+    place_roots();
+    std::vector<Eigen::Vector3d> best;
+    std::size_t next = views;
+    for (std::size_t v = 0; v < views; ++v) {
+      if (estimate.cameras[v].valid || !camera_from_world[v].allFinite()) continue;
+      std::vector<Eigen::Vector3d> translations;
+      for (std::size_t i = 0; i < frames.size(); ++i) {
+        if (!(shapes[i].scales[v] > 0.0)) continue;
+        const Eigen::Vector3d in_camera = RootInCamera(capture, frames[i], static_cast<int>(v), shapes[i].scales[v]);
+        if (known == 0) {
+          translations.emplace_back(Eigen::Vector3d::Zero());  // the first camera is the world
+        } else if (root[i].allFinite()) {
+          translations.emplace_back(in_camera - camera_from_world[v] * root[i]);
+        }
+      }
+      if (translations.size() <= best.size()) continue;
+      best = std::move(translations);
+      next = v;
+    }
+    if (next == views) break;
+    Eigen::Vector3d::Map(estimate.cameras[next].placement.data()) = MedianPoint(best);
+    estimate.cameras[next].valid = true;
+  }
+  place_roots();
+  return root;
+}
+
+/// A joint from the views that see it; NaN from fewer than two.
+Eigen::Vector3d TriangulateJoint(const CaptureObservations& capture, int frame, int joint,
+                                 const AdjustmentScales& scales, const RigEstimate& estimate) {
+  constexpr int kRounds = 5;
+  constexpr double kLossScale = 3.0;
+  struct Ray {
+    Eigen::Matrix3d rotation;
+    Eigen::Vector3d translation;
+    Eigen::Vector2d direction;  ///< (x, y) / z
+    double scatter;
+    double weight = 1.0;
+  };
+  std::vector<Ray> rays;
+  for (int v = 0; v < capture.view_count(); ++v) {
+    const CameraEstimate& camera = estimate.CameraAt(frame, v);
+    if (!camera.valid || !capture.Sees(frame, v, joint)) continue;
+    rays.push_back({camera.Rotation(), estimate.Translation(frame, v), capture.At(frame, v, joint) / camera.Focal(),
+                    scales.observation.Scatter(joint, capture.confidence[capture.Index(frame, v, joint)])});
+  }
+  Eigen::Vector3d point = Eigen::Vector3d::Constant(std::nan(""));
+  for (int round = 0; rays.size() >= 2 && round < kRounds; ++round) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const Ray& ray : rays) {
+      for (int axis = 0; axis < 2; ++axis) {
+        const Eigen::Vector3d row = (ray.rotation.row(axis) - ray.direction[axis] * ray.rotation.row(2)).transpose();
+        const double weight = ray.weight / (ray.scatter * ray.scatter);
+        normal += weight * row * row.transpose();
+        right += weight * row * (ray.direction[axis] * ray.translation.z() - ray.translation[axis]);
+      }
+    }
+    point = normal.ldlt().solve(right);
+    for (Ray& ray : rays) {
+      const Eigen::Vector3d p = ray.rotation * point + ray.translation;
+      // At the joint's depth, in body units; the rows above are of that size.
+      const double error = (p.head<2>() - ray.direction * p.z()).norm() / ray.scatter;
+      ray.weight = 1.0 / (1.0 + std::pow(error / kLossScale, 2));
+    }
+  }
+  return point;
+}
+
+/// Joints that one view alone sees: beside their parent in the direction that the lifter gives them. Parents need not
+/// stand before their children in the skeleton, hence the rounds.
+void FillFromStart(const CaptureObservations& capture, int frame, bool mirrored, RigEstimate& estimate) {
+  const std::vector<double>& lengths =
+      estimate.log_bone_lengths[static_cast<std::size_t>(capture.ClipOf(frame).subject)];
+  std::vector<int> views;
+  std::vector<Eigen::Matrix3d> rotations(static_cast<std::size_t>(capture.view_count()));
+  for (int v = 0; v < capture.view_count(); ++v) {
+    if (!estimate.CameraAt(frame, v).valid || !capture.HasStart(frame, v)) continue;
+    views.push_back(v);
+    rotations[static_cast<std::size_t>(v)] = estimate.CameraAt(frame, v).Rotation();
+  }
+  if (views.empty()) return;
+  const Points3 mean = MeanStart(capture, frame, rotations, views, mirrored);
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (int j = 0; j < capture.joint_count(); ++j) {
+      const int parent = capture.skeleton.parents[static_cast<std::size_t>(j)];
+      if (parent < 0 || estimate.Joint(frame, j).allFinite() || !estimate.Joint(frame, parent).allFinite()) continue;
+      bool is_seen = false;
+      for (int v = 0; v < capture.view_count(); ++v) {
+        is_seen = is_seen || (estimate.CameraAt(frame, v).valid && capture.Sees(frame, v, j));
+      }
+      const double length = std::exp(lengths[static_cast<std::size_t>(j)]);
+      if (!is_seen || !std::isfinite(length)) continue;
+      const Eigen::Vector3d direction = (mean.row(j) - mean.row(parent)).transpose();
+      estimate.Joint(frame, j) = estimate.Joint(frame, parent) + length * direction.normalized();
+      changed = true;
+    }
+  }
+}
+
+}  // namespace
+
+Eigen::Matrix3d MirrorRotation(const Eigen::Matrix3d& rotation) {
+  const Eigen::Vector3d flip(1.0, 1.0, -1.0);
+  return flip.asDiagonal() * rotation * flip.asDiagonal();
+}
+
+FrameShape ShapeFromViews(const CaptureObservations& capture, int frame,
+                          std::span<const Eigen::Matrix3d> camera_from_world, bool mirrored) {
+  FrameShape shape;
+  shape.scales.assign(static_cast<std::size_t>(capture.view_count()), 0.0);
+  std::vector<int> views;
+  for (int v = 0; v < capture.view_count(); ++v) {
+    if (capture.HasStart(frame, v) && camera_from_world[static_cast<std::size_t>(v)].allFinite()) views.push_back(v);
+  }
+  if (views.size() < 2) return shape;
+  const Points3 mean = MeanStart(capture, frame, camera_from_world, views, mirrored);
+  shape.joints = mean;
+  for (int round = 0; round <= kShapeRounds; ++round) {
+    for (const int v : views) {
+      double& scale = shape.scales[static_cast<std::size_t>(v)];
+      scale = ImageScaleOf(capture, frame, v, camera_from_world[static_cast<std::size_t>(v)], shape.joints);
+      if (!(scale > 1e-9)) return shape;  // the views contradict each other
+    }
+    if (round < kShapeRounds) RefineShape(capture, frame, camera_from_world, views, mean, shape);
+  }
+  const double unit = SumOfBones(capture.skeleton, shape.joints);
+  if (!(unit > 0.0) || !std::isfinite(unit)) return shape;
+  shape.joints /= unit;
+  for (double& scale : shape.scales) scale *= unit;
+  shape.valid = true;
+  return shape;
+}
+
+RigEstimate InitialiseStatic(const CaptureObservations& capture, std::span<const int> frames,
+                             std::span<const Eigen::Matrix3d> camera_from_world, bool mirrored) {
+  RigEstimate estimate = RigEstimate::Unknown(true, capture.frame_count, capture.view_count(), capture.joint_count(),
+                                              static_cast<int>(capture.subjects.size()));
+  std::vector<FrameShape> shapes;
+  shapes.reserve(frames.size());
+  for (const int frame : frames) {
+    shapes.push_back(ShapeFromViews(capture, frame, camera_from_world, mirrored));
+    if (!shapes.back().valid) std::fill(shapes.back().scales.begin(), shapes.back().scales.end(), 0.0);
+  }
+  for (std::size_t v = 0; v < estimate.cameras.size(); ++v) {
+    if (camera_from_world[v].allFinite()) estimate.cameras[v].SetRotation(camera_from_world[v]);
+  }
+  const std::vector<Eigen::Vector3d> roots = ChainTranslations(capture, frames, camera_from_world, shapes, estimate);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (!shapes[i].valid || !roots[i].allFinite()) continue;
+    for (int j = 0; j < capture.joint_count(); ++j) {
+      estimate.Joint(frames[i], j) = roots[i] + shapes[i].joints.row(j).transpose();
+    }
+  }
+  MeasureBones(capture, frames, estimate);
+  return estimate;
+}
+
+RigEstimate InitialiseMoving(const CaptureObservations& capture, std::span<const int> frames,
+                             const std::vector<std::vector<Eigen::Matrix3d>>& camera_from_world, bool mirrored) {
+  RigEstimate estimate = RigEstimate::Unknown(false, capture.frame_count, capture.view_count(), capture.joint_count(),
+                                              static_cast<int>(capture.subjects.size()));
+  for (const int frame : frames) {
+    const std::vector<Eigen::Matrix3d>& rotations = camera_from_world[static_cast<std::size_t>(frame)];
+    const FrameShape shape = ShapeFromViews(capture, frame, rotations, mirrored);
+    if (!shape.valid) continue;
+    for (int j = 0; j < capture.joint_count(); ++j) estimate.Joint(frame, j) = shape.joints.row(j).transpose();
+    for (int v = 0; v < capture.view_count(); ++v) {
+      const double scale = shape.scales[static_cast<std::size_t>(v)];
+      if (!(scale > 0.0)) continue;
+      CameraEstimate& camera = estimate.CameraAt(frame, v);
+      camera.SetRotation(rotations[static_cast<std::size_t>(v)]);
+      const Eigen::Vector2d root = capture.At(frame, v, capture.skeleton.root);
+      camera.placement = {root.x(), root.y(), std::log(scale)};
+      camera.valid = true;
+    }
+  }
+  MeasureBones(capture, frames, estimate);
+  return estimate;
+}
+
+void TriangulateFrame(const CaptureObservations& capture, int frame, const AdjustmentScales& scales, bool mirrored,
+                      RigEstimate& estimate) {
+  for (int j = 0; j < capture.joint_count(); ++j) {
+    estimate.Joint(frame, j) = TriangulateJoint(capture, frame, j, scales, estimate);
+  }
+  FillFromStart(capture, frame, mirrored, estimate);
+}
+
+void MeasureBones(const CaptureObservations& capture, std::span<const int> frames, RigEstimate& estimate) {
+  const Skeleton& skeleton = capture.skeleton;
+  for (std::size_t subject = 0; subject < capture.subjects.size(); ++subject) {
+    for (int j = 0; j < capture.joint_count(); ++j) {
+      const int parent = skeleton.parents[static_cast<std::size_t>(j)];
+      if (parent < 0) continue;
+      std::vector<double> lengths;
+      for (const int frame : frames) {
+        if (capture.ClipOf(frame).subject != static_cast<int>(subject)) continue;
+        const double length = (estimate.Joint(frame, j) - estimate.Joint(frame, parent)).norm();
+        if (std::isfinite(length)) lengths.push_back(length);
+      }
+      if (!lengths.empty()) {
+        estimate.log_bone_lengths[subject][static_cast<std::size_t>(j)] =
+            std::log(std::max(Median(std::move(lengths)), 1e-4));
+      }
+    }
+  }
+}
+
+}  // namespace canonpose

@@ -1,0 +1,118 @@
+#include "canonpose/solve/observations.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "canonpose/base/error.h"
+
+namespace canonpose {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr double kDefaultFps = 30.0;
+
+int CameraIndex(CaptureObservations& capture, const CameraView& view, const Sequence& sequence) {
+  for (std::size_t v = 0; v < capture.cameras.size(); ++v) {
+    if (capture.cameras[v].name != view.name) continue;
+    if (capture.cameras[v].image_size_px != view.image_size) {
+      ThrowBadInput({sequence.name, fmt::format("camera {}", view.name),
+                     fmt::format("images of {} x {} as in the capture's other sequences",
+                                 capture.cameras[v].image_size_px[0], capture.cameras[v].image_size_px[1]),
+                     fmt::format("{} x {}", view.image_size[0], view.image_size[1]),
+                     "give sequences with other cameras another `capture`"});
+    }
+    return static_cast<int>(v);
+  }
+  capture.cameras.push_back({view.name, view.image_size, std::hypot(view.image_size[0], view.image_size[1])});
+  return static_cast<int>(capture.cameras.size()) - 1;
+}
+
+void FillView(CaptureObservations& capture, const ClipRange& clip, int v, const CameraView& view,
+              const std::vector<float>& start) {
+  const auto joints = static_cast<std::size_t>(capture.joint_count());
+  const ObservedCamera& camera = capture.cameras[static_cast<std::size_t>(v)];
+  const std::array<double, 2> centre = {0.5 * camera.image_size_px[0], 0.5 * camera.image_size_px[1]};
+  for (int frame = 0; frame < clip.count; ++frame) {
+    const std::size_t to = capture.Index(clip.first + frame, v, 0);
+    const std::size_t from = static_cast<std::size_t>(frame) * joints;
+    for (std::size_t j = 0; j < joints; ++j) {
+      const float x = view.keypoints[2 * (from + j)];
+      const float y = view.keypoints[2 * (from + j) + 1];
+      if (!(view.confidence[from + j] > 0.0F) || !std::isfinite(x) || !std::isfinite(y)) continue;
+      capture.confidence[to + j] = view.confidence[from + j];
+      capture.xy[2 * (to + j)] = static_cast<float>((x - centre[0]) / camera.diagonal_px);
+      capture.xy[2 * (to + j) + 1] = static_cast<float>((y - centre[1]) / camera.diagonal_px);
+    }
+    if (start.empty()) continue;
+    double squares = 0.0;
+    for (std::size_t i = 0; i < 3 * joints; ++i) squares += std::pow(start[3 * from + i], 2);
+    if (!std::isfinite(squares) || squares <= 0.0) continue;
+    for (std::size_t i = 0; i < 3 * joints; ++i) {
+      capture.start[3 * to + i] = static_cast<float>(start[3 * from + i] / std::sqrt(squares));
+    }
+  }
+}
+
+int SubjectIndex(CaptureObservations& capture, const std::string& subject) {
+  const auto found = std::find(capture.subjects.begin(), capture.subjects.end(), subject);
+  if (found != capture.subjects.end()) return static_cast<int>(found - capture.subjects.begin());
+  capture.subjects.push_back(subject);
+  return static_cast<int>(capture.subjects.size()) - 1;
+}
+
+}  // namespace
+
+bool CaptureObservations::HasStart(int frame, int view) const {
+  return Sees(frame, view, skeleton.root) && std::isfinite(start[3 * Index(frame, view, 0)]);
+}
+
+Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> CaptureObservations::StartOf(int frame, int view) const {
+  using Rows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+  return Eigen::Map<const Rows>(&start[3 * Index(frame, view, 0)], joint_count(), 3).cast<double>();
+}
+
+const ClipRange& CaptureObservations::ClipOf(int frame) const {
+  const auto after =
+      std::upper_bound(clips.begin(), clips.end(), frame, [](int f, const ClipRange& clip) { return f < clip.first; });
+  return *(after - 1);
+}
+
+std::vector<CaptureObservations> CollectCaptures(const Dataset& dataset, const StartPoses& start) {
+  std::vector<CaptureObservations> captures;
+  std::map<std::string, std::size_t> static_captures;
+  for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
+    const Sequence& sequence = dataset.sequences[s];
+    std::size_t index = captures.size();
+    if (sequence.static_cameras) index = static_captures.try_emplace(sequence.capture, index).first->second;
+    if (index == captures.size()) {
+      captures.emplace_back();
+      captures.back().name = sequence.static_cameras ? sequence.capture : sequence.name;
+      captures.back().skeleton = dataset.skeleton;
+      captures.back().static_cameras = sequence.static_cameras;
+    }
+    CaptureObservations& capture = captures[index];
+    capture.clips.push_back({s, capture.frame_count, sequence.frame_count,
+                             sequence.fps > 0.0 ? sequence.fps : kDefaultFps, SubjectIndex(capture, sequence.subject)});
+    capture.frame_count += sequence.frame_count;
+    for (const CameraView& view : sequence.cameras) CameraIndex(capture, view, sequence);
+  }
+  for (CaptureObservations& capture : captures) {
+    const std::size_t values = capture.Index(capture.frame_count, 0, 0);
+    capture.xy.assign(2 * values, kNaN);
+    capture.confidence.assign(values, 0.0F);
+    capture.start.assign(3 * values, kNaN);
+    for (const ClipRange& clip : capture.clips) {
+      const Sequence& sequence = dataset.sequences[clip.sequence];
+      for (std::size_t c = 0; c < sequence.cameras.size(); ++c) {
+        FillView(capture, clip, CameraIndex(capture, sequence.cameras[c], sequence), sequence.cameras[c],
+                 start.sequences.at(clip.sequence).at(c));
+      }
+    }
+  }
+  return captures;
+}
+
+}  // namespace canonpose

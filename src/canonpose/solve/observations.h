@@ -1,0 +1,75 @@
+// What the solver sees of a capture: the 2D joints of all its frames and cameras, without units of pixels.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "canonpose/data/dataset.h"
+
+namespace canonpose {
+
+/// The 3D poses that a lifter found in each view by itself; where the solver starts from.
+/// Indexed like Dataset::sequences and their cameras; (T, J, 3) in the camera's frame, centred on the root, in any
+/// unit; NaN where the view was not lifted.
+struct StartPoses {
+  std::vector<std::vector<std::vector<float>>> sequences;
+};
+
+/// Consecutive frames of one sequence.
+struct ClipRange {
+  std::size_t sequence = 0;  ///< index into Dataset::sequences
+  int first = 0;             ///< its first frame among those of the capture
+  int count = 0;
+  double fps = 0.0;  ///< never 0: 30 where the dataset does not say
+  int subject = 0;   ///< clips of one subject share their bone lengths
+};
+
+struct ObservedCamera {
+  std::string name;
+  std::array<int, 2> image_size_px{0, 0};
+  /// Normalised image coordinates are (pixel - image centre) / diagonal_px; a focal length of 1 is one of diagonal_px.
+  double diagonal_px = 0.0;
+};
+
+/// F frames of V cameras that belong together: all clips before the same static cameras, or one clip of moving ones.
+struct CaptureObservations {
+  std::string name;
+  Skeleton skeleton;
+  bool static_cameras = true;
+  std::vector<ObservedCamera> cameras;
+  std::vector<ClipRange> clips;
+  std::vector<std::string> subjects;
+  int frame_count = 0;
+  std::vector<float> xy;          ///< (F, V, J, 2) normalised; NaN where not detected
+  std::vector<float> confidence;  ///< (F, V, J) 0 where not detected
+  std::vector<float> start;       ///< (F, V, J, 3) StartPoses, of unit Frobenius norm; NaN where not lifted
+
+  [[nodiscard]] int view_count() const { return static_cast<int>(cameras.size()); }
+  [[nodiscard]] int joint_count() const { return skeleton.joint_count(); }
+  [[nodiscard]] std::size_t Index(int frame, int view, int joint) const {
+    return (static_cast<std::size_t>(frame) * cameras.size() + static_cast<std::size_t>(view)) *
+               skeleton.joints.size() +
+           static_cast<std::size_t>(joint);
+  }
+  [[nodiscard]] bool Sees(int frame, int view, int joint) const { return confidence[Index(frame, view, joint)] > 0.0F; }
+  [[nodiscard]] Eigen::Vector2d At(int frame, int view, int joint) const {
+    const std::size_t i = 2 * Index(frame, view, joint);
+    return {xy[i], xy[i + 1]};
+  }
+  /// Whether the view shows the root and enough joints for a pose of its own, and was lifted.
+  [[nodiscard]] bool HasStart(int frame, int view) const;
+  /// (J, 3), NaN where not lifted.
+  [[nodiscard]] Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> StartOf(int frame, int view) const;
+  [[nodiscard]] const ClipRange& ClipOf(int frame) const;
+};
+
+/// The captures of a dataset. Cameras of a static capture are matched by name over its sequences. Throws
+/// Error(kBadInput) where a camera changes its image size within a capture.
+std::vector<CaptureObservations> CollectCaptures(const Dataset& dataset, const StartPoses& start);
+
+}  // namespace canonpose

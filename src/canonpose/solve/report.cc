@@ -1,0 +1,163 @@
+#include "canonpose/solve/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "canonpose/solve/calibration.h"
+#include "canonpose/solve/median.h"
+
+namespace canonpose {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kOutlierScatters = 5.0;
+
+std::string DescribeMirror(const Solution& solution, const std::string& option) {
+  if (option == "keep") return "kept by request";
+  if (option == "flip") return "flipped by request";
+  if (solution.mirrored) return "flipped";
+  return solution.mirror_sigma > kSureSigma ? "kept" : "undecided, kept as the lifter sees it";
+}
+
+CameraReport DescribeCamera(const CaptureObservations& capture, const Solution& solution, int v,
+                            std::vector<double> errors, std::int64_t outliers) {
+  const ObservedCamera& observed = capture.cameras[static_cast<std::size_t>(v)];
+  CameraReport report;
+  report.name = observed.name;
+  std::vector<double> focal_px;
+  for (int n = 0; n < (capture.static_cameras ? 1 : capture.frame_count); ++n) {
+    const CameraEstimate& camera = solution.estimate.CameraAt(n, v);
+    if (camera.valid) focal_px.push_back(camera.Focal() * observed.diagonal_px);
+  }
+  report.used = !focal_px.empty();
+  report.focal_px = Median(std::move(focal_px));
+  report.outlier_percent =
+      errors.empty() ? 0.0 : 100.0 * static_cast<double>(outliers) / static_cast<double>(errors.size());
+  report.reprojection_percent = 100.0 * Median(std::move(errors));
+  return report;
+}
+
+double LargestViewAngle(const CaptureObservations& capture, const RigEstimate& estimate) {
+  double largest = 0.0;
+  const int step = std::max(1, capture.frame_count / 100);
+  for (int n = 0; n < (capture.static_cameras ? 1 : capture.frame_count); n += step) {
+    for (int v = 0; v < capture.view_count(); ++v) {
+      for (int w = 0; w < v; ++w) {
+        if (!estimate.CameraAt(n, v).valid || !estimate.CameraAt(n, w).valid) continue;
+        const double cosine = estimate.CameraAt(n, v).Rotation().row(2).dot(estimate.CameraAt(n, w).Rotation().row(2));
+        // Views from opposite sides tell as little of depth as views from the same.
+        largest = std::max(largest, std::acos(std::clamp(std::abs(cosine), 0.0, 1.0)));
+      }
+    }
+  }
+  return largest * 180.0 / M_PI;
+}
+
+}  // namespace
+
+CaptureReport MakeReport(const CaptureObservations& capture, const Solution& solution,
+                         const std::string& mirror_option) {
+  CaptureReport report;
+  report.name = capture.name;
+  report.static_cameras = capture.static_cameras;
+  report.frames = capture.frame_count;
+  std::vector<int> frames(static_cast<std::size_t>(capture.frame_count));
+  std::iota(frames.begin(), frames.end(), 0);
+  std::vector<std::vector<double>> errors(capture.cameras.size());
+  std::vector<std::int64_t> outliers(capture.cameras.size(), 0);
+  VisitErrors(capture, frames, solution.estimate, [&](int n, int v, int j, double error) {
+    errors[static_cast<std::size_t>(v)].push_back(error);
+    const double usual = solution.scales.observation.Scatter(j, capture.confidence[capture.Index(n, v, j)]);
+    if (error > kOutlierScatters * usual) ++outliers[static_cast<std::size_t>(v)];
+  });
+  std::vector<double> all;
+  for (int v = 0; v < capture.view_count(); ++v) {
+    const auto i = static_cast<std::size_t>(v);
+    all.insert(all.end(), errors[i].begin(), errors[i].end());
+    report.cameras.push_back(DescribeCamera(capture, solution, v, std::move(errors[i]), outliers[i]));
+  }
+  report.reprojection_percent = 100.0 * Median(std::move(all));
+  for (const int n : frames) {
+    int seen = 0;
+    for (int v = 0; v < capture.view_count(); ++v) {
+      bool any = false;
+      for (int j = 0; j < capture.joint_count(); ++j) any = any || capture.Sees(n, v, j);
+      seen += any && solution.estimate.CameraAt(n, v).valid ? 1 : 0;
+    }
+    bool solved = false;
+    for (int j = 0; j < capture.joint_count(); ++j) solved = solved || solution.estimate.Joint(n, j).allFinite();
+    if (solved) ++report.frames_solved;
+    if (!solved && seen < 2) ++report.frames_too_few_views;
+  }
+  report.largest_view_angle_deg = LargestViewAngle(capture, solution.estimate);
+  report.mirror = DescribeMirror(solution, mirror_option);
+  report.mirror_sigma = solution.mirror_sigma;
+  return report;
+}
+
+std::string SolveReport::ToText() const {
+  std::string text;
+  for (const CaptureReport& capture : captures) {
+    text += fmt::format("{} ({} cameras)\n", capture.name, capture.static_cameras ? "static" : "moving");
+    if (!capture.failure.empty()) {
+      text += fmt::format("  not solved: {}\n", capture.failure);
+      continue;
+    }
+    text += fmt::format("  frames      {} of {} solved; {} seen by fewer than two cameras\n", capture.frames_solved,
+                        capture.frames, capture.frames_too_few_views);
+    text +=
+        fmt::format("  keypoints   {:.2f} % of the body's bone length off (median)\n", capture.reprojection_percent);
+    text += fmt::format("  mirror      {} ({:.1f} standard errors)\n", capture.mirror, capture.mirror_sigma);
+    for (const CameraReport& camera : capture.cameras) {
+      text += camera.used
+                  ? fmt::format("  {:<11} focal length {:.0f} px, {:.2f} % off, {:.1f} % outliers\n", camera.name,
+                                camera.focal_px, camera.reprojection_percent, camera.outlier_percent)
+                  : fmt::format("  {:<11} not used\n", camera.name);
+    }
+    for (const std::string& warning : capture.warnings) text += fmt::format("  warning: {}\n", warning);
+  }
+  return text;
+}
+
+std::string SolveReport::ToJson() const {
+  Json json;
+  json["captures"] = Json::array();
+  for (const CaptureReport& capture : captures) {
+    Json cameras = Json::array();
+    for (const CameraReport& camera : capture.cameras) {
+      Json one;
+      one["name"] = camera.name;
+      one["used"] = camera.used;
+      if (camera.used) {
+        one["focal_px"] = camera.focal_px;
+        one["reprojection_percent"] = camera.reprojection_percent;
+        one["outlier_percent"] = camera.outlier_percent;
+      }
+      cameras.push_back(one);
+    }
+    Json one;
+    one["name"] = capture.name;
+    one["static_cameras"] = capture.static_cameras;
+    one["frames"] = capture.frames;
+    one["failure"] = capture.failure;
+    if (capture.failure.empty()) {
+      one["frames_solved"] = capture.frames_solved;
+      one["frames_too_few_views"] = capture.frames_too_few_views;
+      one["reprojection_percent"] = capture.reprojection_percent;
+      one["largest_view_angle_deg"] = capture.largest_view_angle_deg;
+      one["mirror"] = capture.mirror;
+      one["mirror_sigma"] = capture.mirror_sigma;
+      one["cameras"] = cameras;
+    }
+    one["warnings"] = capture.warnings;
+    json["captures"].push_back(one);
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace canonpose

@@ -1,0 +1,46 @@
+// What the solver tells of its result.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "canonpose/solve/fit.h"
+#include "canonpose/solve/observations.h"
+
+namespace canonpose {
+
+/// What was found about a camera of a capture.
+struct CameraReport {
+  std::string name;
+  double focal_px = 0.0;              ///< the median over frames, where it changes
+  double reprojection_percent = 0.0;  ///< median distance of keypoints, in percent of the sum of bone lengths
+  double outlier_percent = 0.0;       ///< share of keypoints farther off than five times what is usual for them
+  bool used = true;
+};
+
+struct CaptureReport {
+  std::string name;
+  bool static_cameras = true;
+  std::vector<CameraReport> cameras;
+  int frames = 0;
+  int frames_solved = 0;         ///< with a pose in at least one view
+  int frames_too_few_views = 0;  ///< left out since fewer than two cameras saw the person
+  double reprojection_percent = 0.0;
+  double largest_view_angle_deg = 0.0;  ///< between the viewing directions of two cameras
+  std::string mirror;                   ///< kept, flipped, undecided, or by request
+  double mirror_sigma = 0.0;  ///< standard errors by which the solution explains the keypoints better than its mirror
+  std::vector<std::string> warnings;
+  std::string failure;  ///< why the capture could not be solved; empty where it was
+};
+
+struct SolveReport {
+  std::vector<CaptureReport> captures;
+  /// A table for people.
+  [[nodiscard]] std::string ToText() const;
+  [[nodiscard]] std::string ToJson() const;
+};
+
+CaptureReport MakeReport(const CaptureObservations& capture, const Solution& solution,
+                         const std::string& mirror_option);
+
+}  // namespace canonpose

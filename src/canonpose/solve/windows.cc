@@ -1,0 +1,73 @@
+#include "canonpose/solve/windows.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "canonpose/base/parallel.h"
+#include "canonpose/geometry/alignment.h"
+
+namespace canonpose {
+namespace {
+
+/// Frames first .. last - 1 are kept of a window that reaches from `from` to `to` - 1.
+struct Window {
+  int first;
+  int last;
+  int from;
+  int to;
+};
+
+std::vector<Window> MakeWindows(const CaptureObservations& capture, int window_frames, int margin) {
+  std::vector<Window> windows;
+  for (const ClipRange& clip : capture.clips) {
+    const int end = clip.first + clip.count;
+    // Windows of equal length, so that the last is no stump.
+    const int count = std::max(1, (clip.count + window_frames / 2) / window_frames);
+    for (int w = 0; w < count; ++w) {
+      const int first = clip.first + static_cast<int>(static_cast<std::int64_t>(w) * clip.count / count);
+      const int last = clip.first + static_cast<int>(static_cast<std::int64_t>(w + 1) * clip.count / count);
+      windows.push_back({first, last, std::max(clip.first, first - margin), std::min(end, last + margin)});
+    }
+  }
+  return windows;
+}
+
+/// Turns the world of a slice back to where it was before it was adjusted: only the cameras' motion is determined, not
+/// the common turn of a window.
+void KeepWorld(const RigEstimate& before, RigEstimate& slice) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (std::size_t c = 0; c < slice.cameras.size(); ++c) {
+    if (slice.cameras[c].valid) sum += slice.cameras[c].Rotation().transpose() * before.cameras[c].Rotation();
+  }
+  if (sum.squaredNorm() == 0.0) return;
+  const Eigen::Matrix3d slice_from_before = NearestRotation(sum);
+  for (CameraEstimate& camera : slice.cameras) camera.SetRotation(camera.Rotation() * slice_from_before);
+  for (Eigen::Vector3d& joint : slice.joints) joint = slice_from_before.transpose() * joint;
+}
+
+}  // namespace
+
+void SolveWindows(const CaptureObservations& capture, int window_frames, int threads, Solution& solution) {
+  AdjustmentOptions options;
+  options.scales = solution.scales;
+  options.free_bones = false;
+  options.free_cameras = !capture.static_cameras;
+  options.iterations = capture.static_cameras ? 5 : 20;
+  const std::vector<Window> windows = MakeWindows(capture, window_frames, capture.static_cameras ? 8 : 15);
+  std::vector<RigEstimate> results(windows.size());
+  InParallel(static_cast<int>(windows.size()), threads, [&](int w) {
+    const Window& window = windows[static_cast<std::size_t>(w)];
+    const RigEstimate before = solution.estimate.Slice(window.from, window.to - window.from);
+    RigEstimate slice = before;
+    std::vector<int> frames(static_cast<std::size_t>(window.to - window.from));
+    std::iota(frames.begin(), frames.end(), window.from);
+    Adjust(capture, frames, options, slice);
+    if (!capture.static_cameras) KeepWorld(before, slice);
+    results[static_cast<std::size_t>(w)] = slice.Slice(window.first, window.last - window.first);
+  });
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    solution.estimate.Adopt(results[w], windows[w].first, windows[w].last - windows[w].first);
+  }
+}
+
+}  // namespace canonpose

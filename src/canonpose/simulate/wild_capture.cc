@@ -106,7 +106,7 @@ FilmingCamera FilmFromAnywhere(const LandmarkTrack& track, const std::string& na
   const double distance_mm = std::max(1600.0, StatureMm(&track.At(0, 0)) * focal_px / (fill * height));
   const double azimuth = rng.Uniform(0.0, 2.0 * M_PI);
   const double azimuth_rate = Radians(6.0) * rng.Normal();
-  const bool is_level = rng.Uniform() < 0.5;
+  const bool is_level = rng.Uniform() < 0.4;
   const double elevation = Radians(is_level ? 4.0 + 8.0 * rng.Normal() : rng.Uniform(-30.0, 65.0));
   const double elevation_rate = Radians(1.5) * rng.Normal();
   const double roll = Radians(rng.Uniform() < 0.9 ? 3.0 : 12.0) * rng.Normal();

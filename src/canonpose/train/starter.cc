@@ -172,37 +172,32 @@ void SilenceUnknownJoints(const fs::path& path, const std::vector<std::uint8_t>&
   WriteModelFile(path, model);
 }
 
-void TrainStarter(const Skeleton& skeleton, const StarterRecipe& recipe, const fs::path& folder) {
+/// Trains into `folder`; returns the signal that stopped it, 0 where none did.
+int TrainStarter(const Skeleton& skeleton, const StarterRecipe& recipe, const fs::path& folder) {
   TrainJob job;
   job.datasets.push_back(MakeWildCapture(skeleton, recipe.capture));
   job.data_files = {"simulated people"};
   job.options = recipe.training;
   job.run_folder = folder;
-  job.overwrite = true;
   const TrainReport report = Train(job);
-  if (report.interrupted_by != 0) {
-    // Whoever listens for the signal beside training learns of it; otherwise it ends the program as usual.
-    std::raise(report.interrupted_by);
-    ThrowComputation("stopped while the starter was trained; nothing was kept of it");
-  }
-  SilenceUnknownJoints(folder / "model.cpm", KnownJointsOf(skeleton));
+  if (report.interrupted_by == 0) SilenceUnknownJoints(folder / "model.cpm", KnownJointsOf(skeleton));
+  return report.interrupted_by;
 }
 
 }  // namespace
 
 StarterRecipe StarterRecipe::Default() {
   StarterRecipe recipe;
+  // Every pose is seen once: another person teaches more than another view.
+  recipe.capture.cameras = 1;
+  recipe.capture.clips = 1500;
   recipe.training = PresetOptions("supervised");
   recipe.training.preset = "starter";
-  for (const auto& [name, value] : std::initializer_list<std::pair<const char*, const char*>>{
-           {"width", "256"},
-           {"learning_rate", "0.001"},
-           {"epochs", "10"},
-           {"validation", "0"},
-           {"checkpoint_seconds", "1e6"},
-       }) {
-    recipe.training.Set(name, value);
-  }
+  static constexpr std::pair<const char*, const char*> kSettings[] = {
+      {"width", "256"}, {"batch_frames", "128"}, {"learning_rate", "0.002"},
+      {"epochs", "10"}, {"validation", "0"},     {"checkpoint_seconds", "1000000"},
+  };
+  for (const auto& [name, value] : kSettings) recipe.training.Set(name, value);
   return recipe;
 }
 
@@ -217,10 +212,18 @@ fs::path StarterModel(const Skeleton& skeleton, const StarterOptions& options) {
   const fs::path entry = cache.empty() ? fs::path() : cache / fmt::format("starter-{:016x}.cpm", key);
   if (!entry.empty() && IsSound(entry, skeleton)) return entry;
   LogInfo("training a starter on simulated people, once for these joints (about a minute)");
-  ScratchFolder folder;
-  TrainStarter(skeleton, recipe, folder.path());
-  if (Store(folder.path() / "model.cpm", entry)) return entry;
-  return KeptModels::Instance().Keep(key, std::move(folder));
+  int signal = 0;
+  {
+    ScratchFolder folder;
+    signal = TrainStarter(skeleton, recipe, folder.path());
+    if (signal == 0) {
+      if (Store(folder.path() / "model.cpm", entry)) return entry;
+      return KeptModels::Instance().Keep(key, std::move(folder));
+    }
+  }
+  // With nothing left behind, the program ends as it would without us, unless somebody listens.
+  std::raise(signal);
+  ThrowComputation("stopped while the starter was trained; run the same command again to train it anew");
 }
 
 }  // namespace canonpose

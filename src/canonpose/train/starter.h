@@ -44,8 +44,9 @@ bool StarterKnows(const Skeleton& skeleton);
 /// ones, and are no part of the name. Programs that train the same one at a time do not disturb each other.
 ///
 /// A damaged entry is replaced, with a warning. Where the cache cannot be written, the model lies in a temporary folder
-/// until the program ends, and there is one warning. Throws Error(kBadInput) where StarterKnows() is false,
-/// Error(kComputation) where training was interrupted.
+/// until the program ends, and there is one warning. Throws Error(kBadInput) where StarterKnows() is false. SIGINT and
+/// SIGTERM end the program once nothing temporary is left; Error(kComputation) where the program ignores or handles
+/// them itself.
 std::filesystem::path StarterModel(const Skeleton& skeleton, const StarterOptions& options);
 
 }  // namespace canonpose

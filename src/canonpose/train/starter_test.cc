@@ -1,8 +1,10 @@
 #include "canonpose/train/starter.h"
 
 #include <chrono>
-#include <cmath>
+#include <csignal>
 #include <cstdlib>
+#include <optional>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -30,6 +32,7 @@ StarterOptions Tiny(const TemporaryFolder& cache) {
   options.cache_folder = cache.path() / "cache";
   options.recipe.capture.clips = 6;
   options.recipe.capture.frames = 10;
+  options.recipe.training.batch_frames = 32;
   options.recipe.training.width = 16;
   options.recipe.training.epochs = 2;
   return options;
@@ -118,15 +121,58 @@ TEST(Starter, NeedsNoCache) {
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
+/// An environment variable set for a while.
+class Setting {
+ public:
+  Setting(const char* name, const std::string& value) : name_(name) {
+    const char* before = std::getenv(name);
+    if (before != nullptr) before_ = before;
+    ::setenv(name, value.c_str(), 1);
+  }
+  ~Setting() { before_ ? ::setenv(name_, before_->c_str(), 1) : ::unsetenv(name_); }
+  Setting(const Setting&) = delete;
+  Setting& operator=(const Setting&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+/// Whether a file of this name lies anywhere below a folder.
+bool Holds(const std::filesystem::path& folder, const std::string& name) {
+  std::error_code gone;
+  for (std::filesystem::recursive_directory_iterator entry(folder, gone), end; entry != end; entry.increment(gone)) {
+    if (entry->path().filename() == name) return true;
+    if (gone) break;
+  }
+  return false;
+}
+
+TEST(Starter, LeavesNothingWhereItIsStopped) {
+  const TemporaryFolder cache;
+  const TemporaryFolder scratch;
+  const Setting setting("TMPDIR", scratch.path().string());
+  StarterOptions options = Tiny(cache);
+  options.recipe.training.epochs = 1000000;
+  const auto before = std::signal(SIGTERM, SIG_IGN);
+  std::thread interrupter([&] {
+    // Training listens for signals once it takes steps, of which the metrics are the first trace.
+    while (!Holds(scratch.path(), "metrics.jsonl")) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::raise(SIGTERM);
+  });
+  EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { StarterModel(Human(), options); }), HasSubstr("stopped"));
+  interrupter.join();
+  std::signal(SIGTERM, before);
+  EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+  EXPECT_FALSE(std::filesystem::exists(cache / "cache"));
+}
+
 TEST(Starter, LivesInTheUsersCache) {
   const TemporaryFolder cache;
-  const char* before = std::getenv("XDG_CACHE_HOME");
-  const std::string kept = before == nullptr ? "" : before;
-  ASSERT_EQ(::setenv("XDG_CACHE_HOME", cache.path().c_str(), 1), 0);
+  const Setting setting("XDG_CACHE_HOME", cache.path().string());
   StarterOptions options = Tiny(cache);
   options.cache_folder.clear();
   EXPECT_EQ(StarterModel(Human(), options).parent_path(), cache / "canonpose");
-  before == nullptr ? ::unsetenv("XDG_CACHE_HOME") : ::setenv("XDG_CACHE_HOME", kept.c_str(), 1);
 }
 
 TEST(Starter, KnowsPeopleOnly) {

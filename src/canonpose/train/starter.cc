@@ -48,7 +48,38 @@ StarterRecipe ResolveRecipe(const StarterOptions& options) {
   return recipe;
 }
 
-/// The first clip stands for the others: it shows whether the simulator still does the same.
+/// Clips that are made to see whether the simulator still does the same: two of each activity.
+constexpr int kSampleClips = 20;
+
+std::vector<double> NumbersOf(const WildCaptureOptions& capture) {
+  const WildOptions& w = capture.wild;
+  const DetectorOptions& d = capture.detector;
+  return {capture.off_centre,
+          capture.wild_share,
+          capture.mixed_share,
+          capture.confidence_spread,
+          w.arms_raised,
+          w.arms_anywhere,
+          w.legs_anywhere,
+          w.trunk_bent,
+          w.leaning,
+          w.tumbled,
+          w.arm_noise_deg,
+          w.leg_noise_deg,
+          w.hinge_noise_deg,
+          w.trunk_noise_deg,
+          d.noise,
+          d.jitter,
+          d.occlusion,
+          d.swaps,
+          d.outliers,
+          d.missed_joints,
+          d.missed_frames,
+          d.confidence,
+          d.joint_offset,
+          d.sync_jitter};
+}
+
 std::uint64_t KeyOf(const Skeleton& skeleton, const StarterRecipe& recipe) {
   const WildCaptureOptions& capture = recipe.capture;
   Fingerprint fingerprint;
@@ -57,15 +88,16 @@ std::uint64_t KeyOf(const Skeleton& skeleton, const StarterRecipe& recipe) {
   AddNumbers(skeleton.parents, fingerprint);
   AddNumbers(skeleton.mirror, fingerprint);
   fingerprint.Add(fmt::format("root {} layout {} seed {}", skeleton.root, capture.layout, capture.seed));
-  fingerprint.Add(fmt::format("{} clips of {} frames, {} a second, {} cameras, {}, wild {} {}", capture.clips,
-                              capture.frames, capture.fps, capture.cameras, capture.off_centre, capture.wild_share,
-                              capture.mixed_share));
+  fingerprint.Add(fmt::format("{} clips of {} frames, {} a second, {} cameras", capture.clips, capture.frames,
+                              capture.fps, capture.cameras));
+  AddNumbers(NumbersOf(capture), fingerprint);
   fingerprint.Add(recipe.training.ToJson(/*only_what_changes_results=*/true));
-  const Sequence clip = MakeWildClip(skeleton, capture, 0);
-  for (const CameraView& view : clip.cameras) {
-    AddNumbers(view.keypoints, fingerprint);
-    AddNumbers(view.confidence, fingerprint);
-    AddNumbers(view.truth, fingerprint);
+  for (int n = 0; n < std::min(kSampleClips, capture.clips); ++n) {
+    for (const CameraView& view : MakeWildClip(skeleton, capture, n).cameras) {
+      AddNumbers(view.keypoints, fingerprint);
+      AddNumbers(view.confidence, fingerprint);
+      AddNumbers(view.truth, fingerprint);
+    }
   }
   return fingerprint.value();
 }

@@ -64,8 +64,10 @@ TEST(Starter, ItsNameTellsWhatItDependsOn) {
   EXPECT_TRUE(differs(Human(), layout));
   StarterOptions wilder = tiny;
   wilder.recipe.capture.wild.tumbled = 0.9;
-  wilder.recipe.capture.wild_share = 1.0;
   EXPECT_TRUE(differs(Human(), wilder));
+  StarterOptions surer = tiny;
+  surer.recipe.capture.detector.missed_frames = 0.9;
+  EXPECT_TRUE(differs(Human(), surer));
   StarterOptions longer = tiny;
   longer.recipe.training.epochs = 3;
   EXPECT_TRUE(differs(Human(), longer));

@@ -163,19 +163,26 @@ std::optional<int> FindPart(const Skeleton& layout, std::string_view part) {
   return PartFinder(layout).Own(std::string(part));
 }
 
-LayoutMapping MapLayout(const Skeleton& source, const Skeleton& target) {
+LayoutMapping MapWhatCanBe(const Skeleton& source, const Skeleton& target) {
   LayoutMapping mapping{source, target, {}};
   const PartFinder finder(source);
   const bool same = SameNames(source, target);
-  std::vector<std::string> missing;
   for (const std::string& joint : target.joints) {
     JointSource made;
     if (!same) made.sources = finder.Make(PartOf(joint));
     if (made.sources.empty()) {
       if (const std::optional<int> exact = source.Find(joint)) made.sources = {*exact};
     }
-    if (made.sources.empty()) missing.push_back(joint);
     mapping.joints.push_back(std::move(made));
+  }
+  return mapping;
+}
+
+LayoutMapping MapLayout(const Skeleton& source, const Skeleton& target) {
+  LayoutMapping mapping = MapWhatCanBe(source, target);
+  std::vector<std::string> missing;
+  for (std::size_t t = 0; t < mapping.joints.size(); ++t) {
+    if (mapping.joints[t].sources.empty()) missing.push_back(target.joints[t]);
   }
   if (!missing.empty()) {
     ThrowBadInput({"", fmt::format("layout {}", source.name.empty() ? "of the input" : source.name),

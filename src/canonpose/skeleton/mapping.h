@@ -42,6 +42,9 @@ std::optional<int> FindPart(const Skeleton& layout, std::string_view part);
 /// copy. Throws Error(kBadInput) naming the joints that cannot be made.
 LayoutMapping MapLayout(const Skeleton& source, const Skeleton& target);
 
+/// The same, but joints that cannot be made have no sources: they are always missing.
+LayoutMapping MapWhatCanBe(const Skeleton& source, const Skeleton& target);
+
 /// Applies a mapping to one pose. keypoints is (K, 2), confidence (K), of the source; NaN and 0 where missing. The
 /// outputs are (J, 2) and (J) of the target.
 void ApplyMapping(const LayoutMapping& mapping, const float* keypoints, const float* confidence,

@@ -186,7 +186,7 @@ TEST(SupervisedLoss, GradientsMatchNumericOnesAndUnknownTruthTakesNoPart) {
   truth = truth - truth.narrow(2, 0, 1);
   truth[1].select(1, 2).fill_(std::numeric_limits<double>::quiet_NaN());
   const torch::Tensor squares = torch::nan_to_num(truth).square().sum({1, 2}, true);
-  example.batch.truth = truth / squares.sqrt();
+  example.batch.target = truth / squares.sqrt();
   const auto loss = [&] {
     return ComputeSupervisedLoss(example.lifter->forward(LifterInput(example.batch)), example.batch, 0).total;
   };
@@ -212,9 +212,9 @@ TEST(SupervisedLoss, IsZeroForTheTruthAtAnyScaleAndPlaceAndNotForItsMirror) {
   truth = truth - truth.narrow(2, 0, 1);
   truth = truth / truth.square().sum({1, 2}, true).sqrt();
   BatchTensors batch;
-  batch.truth = truth.clone();
-  batch.truth[2].select(1, 5).fill_(std::numeric_limits<double>::quiet_NaN());
-  batch.truth[2] /= torch::nan_to_num(batch.truth[2]).square().sum().sqrt();
+  batch.target = truth.clone();
+  batch.target[2].select(1, 5).fill_(std::numeric_limits<double>::quiet_NaN());
+  batch.target[2] /= torch::nan_to_num(batch.target[2]).square().sum().sqrt();
   LifterOutput output;
   output.rotation = Rodrigues(torch::randn({4, 3}, kDouble));
   output.pose = torch::bmm(output.rotation.transpose(1, 2), 7.0 * truth + 3.0);

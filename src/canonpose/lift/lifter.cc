@@ -121,8 +121,9 @@ LiftedPoses PoseLifter::Lift(const CameraView& view, int frame_count) const {
   const PoseInput pose_input(info().input, skeleton());
   if (pose_input.LacksCamera(view)) {
     LogWarning(
-        "{}: the model turns poses onto the optical axis, which takes the image size: without it poses beside the "
-        "axis come out tilted",
+        "{}: the model turns poses onto the optical axis, for which the image size must be known: poses beside the "
+        "axis "
+        "come out tilted (--image-size WxH)",
         view.name.empty() ? "the view" : view.name);
   }
   LiftBatch batch(info().input.ray != "off");

@@ -206,6 +206,27 @@ TEST(SupervisedLoss, GradientsMatchNumericOnesAndUnknownTruthTakesNoPart) {
   }
 }
 
+TEST(SupervisedLoss, WeightsTellHowMuchAJointCounts) {
+  torch::manual_seed(7);
+  BatchTensors batch;
+  torch::Tensor target = torch::randn({3, 3, 6}, kDouble);
+  target = target - target.narrow(2, 0, 1);
+  batch.target = target / target.square().sum({1, 2}, true).sqrt();
+  LifterOutput output;
+  output.rotation = torch::eye(3, kDouble).expand({3, 3, 3});
+  output.pose = torch::randn({3, 3, 6}, kDouble);
+  const double plain = ComputeSupervisedLoss(output, batch, 0).total.item<double>();
+  batch.target_weight = torch::full({3, 6}, 0.3, kDouble);
+  EXPECT_NEAR(ComputeSupervisedLoss(output, batch, 0).total.item<double>(), plain, 1e-12);
+  // Only one joint of one pose counts: the loss is its distance.
+  batch.target_weight.zero_();
+  batch.target_weight[1][4] = 0.7;
+  torch::Tensor pose = output.pose[1] - output.pose[1].narrow(1, 0, 1);
+  pose = pose / pose.norm();
+  const double distance = (pose.select(1, 4) - batch.target[1].select(1, 4)).norm().item<double>();
+  EXPECT_NEAR(ComputeSupervisedLoss(output, batch, 0).total.item<double>(), distance, 1e-9);
+}
+
 TEST(SupervisedLoss, IsZeroForTheTruthAtAnyScaleAndPlaceAndNotForItsMirror) {
   torch::manual_seed(6);
   torch::Tensor truth = torch::randn({4, 3, 6}, kDouble);

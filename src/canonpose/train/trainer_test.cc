@@ -7,6 +7,7 @@
 #include <sstream>
 #include <thread>
 
+#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -96,6 +97,20 @@ Dataset PuppetShow(int frames, int cameras, std::uint64_t seed = 1) {
   return dataset;
 }
 
+/// The same with the cameras that filmed it, in a world whose down the cameras' own tilt hides.
+Dataset CalibratedShow(int frames, int cameras) {
+  Dataset dataset = PuppetShow(frames, cameras);
+  for (std::size_t c = 0; c < dataset.sequences[0].cameras.size(); ++c) {
+    Camera camera;
+    camera.K << 800, 0, 500, 0, 800, 500, 0, 0, 1;
+    camera.camera_from_world_rotation =
+        (Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(1.1 * c, Eigen::Vector3d::UnitY()))
+            .toRotationMatrix();
+    dataset.sequences[0].cameras[c].calibration = {camera};
+  }
+  return dataset;
+}
+
 /// Correlation of predicted with true depths relative to the root, over all joints, frames and views: near 1 for the
 /// right solution, near -1 for its mirror.
 double DepthCorrelation(Lifter& lifter, const Dataset& dataset) {
@@ -173,9 +188,27 @@ TEST(Train, SameSeedSameBitsAndAnotherSeedOthers) {
   EXPECT_NE(ReadFile(folder / "a/model.cpm"), ReadFile(folder / "c/model.cpm"));
 }
 
-TEST(Train, InterruptedAndResumedGivesTheSameBitsAndMetrics) {
+/// Learns from the truth with everything that training on poses can do.
+TrainJob AugmentedJob(const TemporaryFolder& folder, const std::string& name) {
+  TrainJob job = Job(folder, name, "best");
+  job.datasets = {CalibratedShow(40, 3)};
+  job.options.supervision = "truth";
+  job.options.width = 16;
+  job.options.learning_rate = 1e-3;
+  job.options.rotation = "6d";
+  job.options.focal = "known";
+  job.options.schedule = "cosine";
+  return job;
+}
+
+class TrainInPieces : public ::testing::TestWithParam<bool> {};
+
+INSTANTIATE_TEST_SUITE_P(Train, TrainInPieces, ::testing::Values(false, true),
+                         [](const auto& is_augmented) { return is_augmented.param ? "augmented" : "plain"; });
+
+TEST_P(TrainInPieces, InterruptedAndResumedGivesTheSameBitsAndMetrics) {
   const TemporaryFolder folder;
-  TrainJob job = Job(folder, "whole");
+  TrainJob job = GetParam() ? AugmentedJob(folder, "whole") : Job(folder, "whole");
   job.options.epochs = 60;
   Train(job);
   job.run_folder = folder / "pieces";
@@ -270,8 +303,58 @@ TEST(Train, SupervisionWithoutTruthIsRefused) {
   TrainJob job = Job(folder, "run", "supervised");
   for (CameraView& view : job.datasets[0].sequences[0].cameras) view.truth.clear();
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("show.h5: expected truth"));
+  job.options.supervision = "solved";
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("run `canonpose solve` first"));
   job.options.perspective = "learned";
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { Train(job); }), HasSubstr("supervision"));
+}
+
+TEST(Train, WhatSolveFoundIsLearntAsTruthIs) {
+  const TemporaryFolder folder;
+  TrainJob truth = Job(folder, "truth", "supervised");
+  truth.options.epochs = 2;
+  Train(truth);
+  TrainJob solved = truth;
+  solved.run_folder = folder / "solved";
+  solved.options.supervision = "solved";
+  for (CameraView& view : solved.datasets[0].sequences[0].cameras) {
+    view.solved = view.truth;  // in another unit
+    for (float& value : view.solved) value *= 0.25F;
+    view.truth.clear();
+  }
+  const TrainReport report = Train(solved);
+  EXPECT_EQ(report.model.mirror.decision, "known from the solution");
+  const ModelFile from_truth = ReadModelFile(folder / "truth");
+  const ModelFile from_solved = ReadModelFile(folder / "solved");
+  for (const auto& [name, array] : from_truth.parameters) {
+    EXPECT_EQ(array.values, from_solved.parameters.at(name).values) << name;
+  }
+
+  // New views need cameras; what is resumed must have the same solution.
+  solved.options.new_views = 0.5;
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(solved); }), HasSubstr("solved cameras"));
+  solved.options.new_views = 0.0;
+  solved.resume = true;
+  solved.datasets[0].sequences[0].cameras[0].solved[4] += 0.1F;
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(solved); }), HasSubstr("fingerprint"));
+}
+
+TEST(Train, UnsureJointsCountLess) {
+  Dataset dataset = PuppetShow(20, 2);
+  Rng rng(1);
+  for (CameraView& view : dataset.sequences[0].cameras) {
+    view.solved = view.truth;
+    for (int i = 0; i < 20 * kJoints; ++i) view.solved_uncertainty.push_back(0.02F);
+    view.solved_uncertainty[3] = 0.06F;
+    view.solved_uncertainty[4] = std::numeric_limits<float>::quiet_NaN();
+  }
+  const TrainingSplit split =
+      MakeTrainingSplit({dataset}, 0.2, {TrainingTarget::kSolved, {}, /*uncertainty_weights=*/true});
+  ASSERT_EQ(split.training.target_weight.size(), split.training.confidence.size());
+  EXPECT_TRUE(split.validation.target_weight.empty());
+  EXPECT_NEAR(split.training.target_weight[0], 0.5, 0.05);  // poses differ a little in size
+  EXPECT_NEAR(split.training.target_weight[3] / split.training.target_weight[0], 0.2, 0.02);
+  EXPECT_EQ(split.training.target_weight[4], 0.5F);
 }
 
 TEST(Train, MirrorByRequestIsTheExactMirror) {

@@ -193,6 +193,7 @@ TrainOptions PresetOptions(const std::string& preset) {
     options.supervision = "solved";
     options.width = 256;
     options.learning_rate = 1e-3;
+    options.schedule = "cosine";
     options.ray = "root";
     options.new_views = 0.8;
     options.flips = 0.5;

@@ -1,6 +1,5 @@
 #include "canonpose/train/trainer.h"
 
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -13,12 +12,12 @@
 #include <sys/resource.h>
 
 #include "canonpose/base/atomic_file.h"
-#include "canonpose/base/random.h"
 #include "canonpose/base/testing.h"
 #include "canonpose/model/tensors.h"
 #include "canonpose/train/checkpoint.h"
 #include "canonpose/train/losses.h"
 #include "canonpose/train/mirror.h"
+#include "canonpose/train/puppet_testing.h"
 #include "canonpose/train/training_set.h"
 
 namespace canonpose {
@@ -29,87 +28,9 @@ using testing::ErrorOf;
 using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
-constexpr int kJoints = 11;
-
-Skeleton Puppet() {
-  return {"",
-          {"pelvis", "left hip", "left knee", "left foot", "right hip", "right knee", "right foot", "chest", "head",
-           "left hand", "right hand"},
-          {-1, 0, 1, 2, 0, 4, 5, 0, 7, 7, 7},
-          0,
-          {0, 4, 5, 6, 1, 2, 3, 7, 8, 10, 9}};
-}
-
-/// Joint positions of a puppet that kicks, bends its knees and waves, in metres: x left, y down, z forward.
-std::array<std::array<double, 3>, kJoints> PuppetAt(double time) {
-  const auto leg = [](double side, double swing, double bend) {
-    return std::array<std::array<double, 3>, 3>{{{side, 0, 0},
-                                                 {side, 0.45 * std::cos(swing), 0.45 * std::sin(swing)},
-                                                 {side, 0.45 * std::cos(swing) + 0.45 * std::cos(swing - bend),
-                                                  0.45 * std::sin(swing) + 0.45 * std::sin(swing - bend)}}};
-  };
-  const auto left = leg(-0.15, 0.6 * std::sin(time), 0.5 + 0.5 * std::sin(1.3 * time));
-  const auto right = leg(0.15, 0.6 * std::sin(time + 3.1), 0.5 + 0.5 * std::sin(1.3 * time + 2.0));
-  const double left_arm = std::sin(0.7 * time);
-  const double right_arm = std::sin(0.9 * time + 1.0);
-  return {{{0, 0, 0},
-           left[0],
-           left[1],
-           left[2],
-           right[0],
-           right[1],
-           right[2],
-           {0, -0.5, 0.05 * std::sin(time)},
-           {0, -0.75, 0.1},
-           {-0.2 - 0.3 * std::abs(std::sin(left_arm)), -0.5 + 0.3 * std::cos(left_arm), 0.2 * std::sin(2 * left_arm)},
-           {0.2 + 0.3 * std::abs(std::sin(right_arm)), -0.5 + 0.3 * std::cos(right_arm), 0.25 * std::sin(right_arm)}}};
-}
-
-/// The puppet, turning this way and that, seen from 3.5 m by cameras around it at several heights.
-Dataset PuppetShow(int frames, int cameras, std::uint64_t seed = 1) {
-  constexpr double kTilts[] = {0.1, 0.5, 0.3, 0.0};
-  Rng rng(seed);
-  Dataset dataset;
-  dataset.skeleton = Puppet();
-  Sequence sequence{"show", "s", 30.0, true, "s", frames, {}};
-  for (int c = 0; c < cameras; ++c) {
-    CameraView view;
-    view.name = "cam" + std::to_string(c);
-    view.image_size = {1000, 1000};
-    const double tilt = kTilts[c % 4];
-    for (int t = 0; t < frames; ++t) {
-      const double time = 0.13 * t;
-      const double azimuth = 0.3 + 1.1 * c + 0.4 * std::sin(0.31 * time);
-      for (const auto& joint : PuppetAt(time)) {
-        const double x = std::cos(azimuth) * joint[0] + std::sin(azimuth) * joint[2];
-        const double level_z = -std::sin(azimuth) * joint[0] + std::cos(azimuth) * joint[2];
-        const double y = std::cos(tilt) * joint[1] - std::sin(tilt) * level_z;
-        const double z = 3.5 + std::sin(tilt) * joint[1] + std::cos(tilt) * level_z;
-        view.keypoints.push_back(static_cast<float>(500 + 800 * x / z + 0.3 * rng.Normal()));
-        view.keypoints.push_back(static_cast<float>(500 + 800 * y / z + 0.3 * rng.Normal()));
-        view.confidence.push_back(0.9F);
-        view.truth.insert(view.truth.end(), {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
-      }
-    }
-    sequence.cameras.push_back(view);
-  }
-  dataset.sequences.push_back(sequence);
-  return dataset;
-}
-
-/// The same with the cameras that filmed it, in a world whose down the cameras' own tilt hides.
-Dataset CalibratedShow(int frames, int cameras) {
-  Dataset dataset = PuppetShow(frames, cameras);
-  for (std::size_t c = 0; c < dataset.sequences[0].cameras.size(); ++c) {
-    Camera camera;
-    camera.K << 800, 0, 500, 0, 800, 500, 0, 0, 1;
-    camera.camera_from_world_rotation =
-        (Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(1.1 * c, Eigen::Vector3d::UnitY()))
-            .toRotationMatrix();
-    dataset.sequences[0].cameras[c].calibration = {camera};
-  }
-  return dataset;
-}
+using testing::CalibratedShow;
+using testing::kJoints;
+using testing::PuppetShow;
 
 /// Correlation of predicted with true depths relative to the root, over all joints, frames and views: near 1 for the
 /// right solution, near -1 for its mirror.
@@ -140,17 +61,7 @@ double DepthCorrelation(Lifter& lifter, const Dataset& dataset) {
 }
 
 TrainJob Job(const TemporaryFolder& folder, const std::string& name, const std::string& preset = "plus") {
-  TrainJob job;
-  job.datasets = {PuppetShow(40, 3)};
-  job.data_files = {"show.h5"};
-  job.options = PresetOptions(preset);
-  job.options.width = 16;
-  job.options.epochs = 20;
-  job.options.batch_frames = 8;
-  job.options.threads = 1;
-  job.options.seed = 3;
-  job.run_folder = folder / name;
-  return job;
+  return testing::PuppetJob(folder.path(), name, preset);
 }
 
 TEST(MakeTrainingSplit, HoldsOutTheEndOfEveryStretchAndLeavesOutLoneViews) {
@@ -307,54 +218,6 @@ TEST(Train, SupervisionWithoutTruthIsRefused) {
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("run `canonpose solve` first"));
   job.options.perspective = "learned";
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { Train(job); }), HasSubstr("supervision"));
-}
-
-TEST(Train, WhatSolveFoundIsLearntAsTruthIs) {
-  const TemporaryFolder folder;
-  TrainJob truth = Job(folder, "truth", "supervised");
-  truth.options.epochs = 2;
-  Train(truth);
-  TrainJob solved = truth;
-  solved.run_folder = folder / "solved";
-  solved.options.supervision = "solved";
-  for (CameraView& view : solved.datasets[0].sequences[0].cameras) {
-    view.solved = view.truth;  // in another unit
-    for (float& value : view.solved) value *= 0.25F;
-    view.truth.clear();
-  }
-  const TrainReport report = Train(solved);
-  EXPECT_EQ(report.model.mirror.decision, "known from the solution");
-  const ModelFile from_truth = ReadModelFile(folder / "truth");
-  const ModelFile from_solved = ReadModelFile(folder / "solved");
-  for (const auto& [name, array] : from_truth.parameters) {
-    EXPECT_EQ(array.values, from_solved.parameters.at(name).values) << name;
-  }
-
-  // New views need cameras; what is resumed must have the same solution.
-  solved.options.new_views = 0.5;
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(solved); }), HasSubstr("solved cameras"));
-  solved.options.new_views = 0.0;
-  solved.resume = true;
-  solved.datasets[0].sequences[0].cameras[0].solved[4] += 0.1F;
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(solved); }), HasSubstr("fingerprint"));
-}
-
-TEST(Train, UnsureJointsCountLess) {
-  Dataset dataset = PuppetShow(20, 2);
-  Rng rng(1);
-  for (CameraView& view : dataset.sequences[0].cameras) {
-    view.solved = view.truth;
-    for (int i = 0; i < 20 * kJoints; ++i) view.solved_uncertainty.push_back(0.02F);
-    view.solved_uncertainty[3] = 0.06F;
-    view.solved_uncertainty[4] = std::numeric_limits<float>::quiet_NaN();
-  }
-  const TrainingSplit split =
-      MakeTrainingSplit({dataset}, 0.2, {TrainingTarget::kSolved, {}, /*uncertainty_weights=*/true});
-  ASSERT_EQ(split.training.target_weight.size(), split.training.confidence.size());
-  EXPECT_TRUE(split.validation.target_weight.empty());
-  EXPECT_NEAR(split.training.target_weight[0], 0.5, 0.05);  // poses differ a little in size
-  EXPECT_NEAR(split.training.target_weight[3] / split.training.target_weight[0], 0.2, 0.02);
-  EXPECT_EQ(split.training.target_weight[4], 0.5F);
 }
 
 TEST(Train, MirrorByRequestIsTheExactMirror) {

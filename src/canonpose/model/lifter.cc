@@ -12,7 +12,8 @@ constexpr double kLeakySlope = 0.01;
 constexpr double kSmallestSquaredAngle = 1e-4;
 constexpr double kSmallestSquaredLength = 1e-12;
 
-torch::Tensor LeakyRelu(const torch::Tensor& x) { return torch::leaky_relu(x, kLeakySlope); }
+/// In place: no layer needs what it gave before, and half of the memory traffic of small layers goes.
+torch::Tensor LeakyRelu(torch::Tensor x) { return torch::leaky_relu_(x, kLeakySlope); }
 
 /// (B, 3) -> (B, 3) of length 1.
 torch::Tensor Unit(const torch::Tensor& vectors) {

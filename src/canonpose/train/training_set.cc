@@ -154,17 +154,17 @@ const std::vector<Camera>& TargetCameras(const CameraView& view, TrainingTarget 
 
 std::optional<double> NormaliseTarget(const float* pose, int joint_count, int root,
                                       const Eigen::Matrix3d& turned_from_camera, float* target) {
-  const auto joint = [&](int j) { return Eigen::Vector3d(pose[3 * j], pose[3 * j + 1], pose[3 * j + 2]); };
-  const Eigen::Vector3d root_in_camera = joint(root);
+  const auto joint = [&](int j) { return Eigen::Vector3f(pose[3 * j], pose[3 * j + 1], pose[3 * j + 2]); };
+  const Eigen::Vector3f root_in_camera = joint(root);
   double squares = 0.0;
   int known = 0;
   for (int j = 0; j < joint_count; ++j) {
-    const Eigen::Vector3d centred = joint(j) - root_in_camera;
+    const Eigen::Vector3d centred = (joint(j) - root_in_camera).cast<double>();
     const Eigen::Vector3d turned = turned_from_camera * centred;
     for (int axis = 0; axis < 3; ++axis) target[axis * joint_count + j] = static_cast<float>(turned[axis]);
     if (!centred.allFinite()) continue;
     ++known;
-    squares += centred.squaredNorm();
+    for (const double offset : centred) squares += offset * offset;
   }
   if (2 * known < joint_count || !(squares > 0.0)) return std::nullopt;
   const double norm = std::sqrt(squares);

@@ -32,6 +32,7 @@ struct Arguments {
   std::string frames;
   std::string format;
   std::string layout;
+  std::string image_size;
   int person = 1;
   std::optional<double> height_m;
   std::string device = "cpu";
@@ -79,6 +80,7 @@ LiftInput FromDetections(const Arguments& arguments, const PoseLifter& lifter) {
   options.skeleton = lifter.skeleton();
   options.camera = arguments.camera;
   options.person = arguments.person;
+  if (!arguments.image_size.empty()) options.image_size = ParseImageSize(arguments.image_size);
   SingleCamera single = ReadSingleCamera(arguments.input, options);
   return {std::move(single.view), std::move(single.frame_numbers), 0.0};
 }
@@ -94,6 +96,7 @@ void RefuseMisplacedOptions(const Arguments& arguments, bool is_dataset) {
   refuse(!is_dataset && !arguments.sequence.empty(), "--sequence");
   refuse(is_dataset && !arguments.format.empty(), "--format");
   refuse(is_dataset && !arguments.layout.empty(), "--layout");
+  refuse(is_dataset && !arguments.image_size.empty(), "--image-size");
   refuse(is_dataset && arguments.person != 1, "--person");
 }
 
@@ -148,6 +151,8 @@ void AddLiftCommand(CLI::App& app) {
   command->add_option("--format", arguments->format, "Format of a detector's files (default: told from their content)");
   command->add_option("--layout", arguments->layout,
                       "Layout of a detector's files (default: that of the training data)");
+  command->add_option("--image-size", arguments->image_size,
+                      "WxH in pixels of a detector's files, for models trained with ray=root");
   command->add_option("--device", arguments->device, "cpu or cuda (default cpu)");
   command->add_option("--seed", arguments->seed, "Taken like by every command; lifting has nothing random");
   command->callback([arguments] { RunLift(*arguments); });

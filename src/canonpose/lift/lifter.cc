@@ -9,7 +9,8 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/geometry/normalisation.h"
+#include "canonpose/base/log.h"
+#include "canonpose/model/pose_input.h"
 #include "canonpose/model/runtime.h"
 #include "canonpose/model/tensors.h"
 
@@ -48,55 +49,92 @@ void PoseLifter::RequireSkeleton(const Skeleton& other, const std::string& file)
        "import the data onto the model's skeleton, or use a model trained on this one"});
 }
 
+namespace {
+
+/// Frames that go through the network together.
+class LiftBatch {
+ public:
+  explicit LiftBatch(bool turns) : turns_(turns) {}
+
+  [[nodiscard]] std::int64_t size() const { return static_cast<std::int64_t>(frames_.size()); }
+
+  void Add(std::size_t frame, const NormalisedPose& pose, const Eigen::Matrix3d& turned_from_camera) {
+    frames_.push_back(frame);
+    input_.insert(input_.end(), pose.keypoints.begin(), pose.keypoints.end());
+    input_.insert(input_.end(), pose.confidence.begin(), pose.confidence.end());
+    // Column by column: the rows of the transpose, which is what leads back.
+    for (Eigen::Index i = 0; i < 9; ++i) {
+      camera_from_turned_.push_back(static_cast<float>(turned_from_camera.data()[i]));
+    }
+  }
+
+  /// Lifts the frames that were added, into their places, and forgets them.
+  void Lift(Lifter& lifter, int root, torch::Device device, LiftedPoses& lifted) {
+    if (frames_.empty()) return;
+    const auto joints = static_cast<std::size_t>(lifted.joint_count);
+    const torch::Tensor input = torch::from_blob(input_.data(), {size(), 3 * lifted.joint_count}).to(device);
+    const LifterOutput output = lifter->forward(input);
+    torch::Tensor rotation = output.rotation;  // (B, 3, 3)
+    if (turns_)
+      rotation = torch::bmm(torch::from_blob(camera_from_turned_.data(), {size(), 3, 3}).to(device), rotation);
+    const torch::Tensor centred = output.pose - output.pose.narrow(2, root, 1);  // (B, 3, J)
+    CopyRows(centred.transpose(1, 2), joints * 3, lifted.canonical);
+    CopyRows(torch::bmm(rotation, centred).transpose(1, 2), joints * 3, lifted.pose_in_camera);
+    CopyRows(rotation, 9, lifted.rotation);
+    frames_.clear();
+    input_.clear();
+    camera_from_turned_.clear();
+  }
+
+ private:
+  void CopyRows(const torch::Tensor& rows, std::size_t row_size, std::vector<float>& to) const {
+    const torch::Tensor contiguous = rows.to(torch::kCPU).contiguous();
+    const float* values = contiguous.data_ptr<float>();
+    for (std::size_t b = 0; b < frames_.size(); ++b) {
+      std::copy_n(values + b * row_size, row_size, &to[frames_[b] * row_size]);
+    }
+  }
+
+  bool turns_;
+  std::vector<std::size_t> frames_;
+  std::vector<float> input_;               // (B, 3J)
+  std::vector<float> camera_from_turned_;  // (B, 3, 3)
+};
+
+}  // namespace
+
 LiftedPoses PoseLifter::Lift(const CameraView& view, int frame_count) const {
   const torch::NoGradGuard no_grad;
-  const int joints = skeleton().joint_count();
   const auto frames = static_cast<std::size_t>(frame_count);
-  const auto joint_count = static_cast<std::size_t>(joints);
-  CANONPOSE_CHECK(view.confidence.size() == frames * joint_count, "{} confidences for {} frames",
-                  view.confidence.size(), frames);
+  const auto joints = static_cast<std::size_t>(skeleton().joint_count());
+  CANONPOSE_CHECK(view.confidence.size() == frames * joints, "{} confidences for {} frames", view.confidence.size(),
+                  frames);
 
   LiftedPoses lifted;
   lifted.frame_count = frame_count;
-  lifted.joint_count = joints;
+  lifted.joint_count = skeleton().joint_count();
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  lifted.pose_in_camera.assign(frames * joint_count * 3, kNan);
-  lifted.canonical.assign(frames * joint_count * 3, kNan);
+  lifted.pose_in_camera.assign(frames * joints * 3, kNan);
+  lifted.canonical.assign(frames * joints * 3, kNan);
   lifted.rotation.assign(frames * 9, kNan);
 
-  std::vector<float> input;  // (B, 3J)
-  std::vector<std::size_t> rows;
-  const auto flush = [&] {
-    if (rows.empty()) return;
-    const torch::Tensor batch =
-        torch::from_blob(input.data(), {static_cast<std::int64_t>(rows.size()), 3 * joints}).to(state_->device);
-    const LifterOutput output = state_->lifter->forward(batch);
-    const torch::Tensor centred = output.pose - output.pose.narrow(2, skeleton().root, 1);  // (B, 3, J)
-    const torch::Tensor canonical = centred.transpose(1, 2).to(torch::kCPU).contiguous();   // (B, J, 3)
-    const torch::Tensor in_camera = torch::bmm(output.rotation, centred).transpose(1, 2).to(torch::kCPU).contiguous();
-    const torch::Tensor rotation = output.rotation.to(torch::kCPU).contiguous();
-    for (std::size_t b = 0; b < rows.size(); ++b) {
-      std::copy_n(canonical.data_ptr<float>() + b * joint_count * 3, joint_count * 3,
-                  &lifted.canonical[rows[b] * joint_count * 3]);
-      std::copy_n(in_camera.data_ptr<float>() + b * joint_count * 3, joint_count * 3,
-                  &lifted.pose_in_camera[rows[b] * joint_count * 3]);
-      std::copy_n(rotation.data_ptr<float>() + b * 9, 9, &lifted.rotation[rows[b] * 9]);
-    }
-    rows.clear();
-    input.clear();
-  };
-
-  NormalisedPose pose;
-  for (std::size_t t = 0; t < frames; ++t) {
-    if (!NormalisePose(&view.keypoints[t * joint_count * 2], &view.confidence[t * joint_count], joints, skeleton().root,
-                       pose))
-      continue;
-    input.insert(input.end(), pose.keypoints.begin(), pose.keypoints.end());
-    input.insert(input.end(), pose.confidence.begin(), pose.confidence.end());
-    rows.push_back(t);
-    if (static_cast<std::int64_t>(rows.size()) == kChunk) flush();
+  const PoseInput pose_input(info().input, skeleton());
+  if (pose_input.LacksCamera(view)) {
+    LogWarning(
+        "{}: the model turns poses onto the optical axis, for which the image size must be known: poses beside the "
+        "axis "
+        "come out tilted (--image-size WxH)",
+        view.name.empty() ? "the view" : view.name);
   }
-  flush();
+  LiftBatch batch(info().input.ray != "off");
+  NormalisedPose pose;
+  Eigen::Matrix3d turned_from_camera;
+  for (std::size_t t = 0; t < frames; ++t) {
+    if (!pose_input.Normalise(view, static_cast<int>(t), pose, turned_from_camera)) continue;
+    batch.Add(t, pose, turned_from_camera);
+    if (batch.size() == kChunk) batch.Lift(state_->lifter, skeleton().root, state_->device, lifted);
+  }
+  batch.Lift(state_->lifter, skeleton().root, state_->device, lifted);
   return lifted;
 }
 

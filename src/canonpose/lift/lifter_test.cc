@@ -2,11 +2,13 @@
 
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "canonpose/base/random.h"
 #include "canonpose/base/testing.h"
+#include "canonpose/geometry/viewing_ray.h"
 #include "canonpose/model/tensors.h"
 
 namespace canonpose {
@@ -31,8 +33,9 @@ CameraView RandomView(std::uint64_t seed) {
   return view;
 }
 
-std::filesystem::path WriteModel(const TemporaryFolder& folder) {
+std::filesystem::path WriteModel(const TemporaryFolder& folder, const InputForm& input = {}) {
   ModelFile model;
+  model.info.input = input;
   model.info.skeleton = *FindSkeleton("h36m-17");
   model.info.width = 24;
   Lifter lifter(kJoints, 24);
@@ -73,6 +76,42 @@ TEST(PoseLifter, DoesNotDependOnWhereAndHowLargeThePersonIs) {
   const LiftedPoses a = lifter.Lift(view, kFrames);
   const LiftedPoses b = lifter.Lift(moved, kFrames);
   for (std::size_t i = 0; i < a.pose_in_camera.size(); ++i) EXPECT_NEAR(a.pose_in_camera[i], b.pose_in_camera[i], 1e-4);
+}
+
+TEST(PoseLifter, WithTheRayOnTheAxisThePoseIsThatOfACameraLookingStraightTurnedBack) {
+  const TemporaryFolder folder;
+  const PoseLifter lifter = PoseLifter::Open(WriteModel(folder, {"root", "known"}));
+  CameraView view = RandomView(4);
+  Camera camera;
+  camera.K << 900, 0, 500, 0, 900, 500, 0, 0, 1;
+  view.calibration = {camera};
+  const LiftedPoses a = lifter.Lift(view, kFrames);
+  // The same rays seen by a camera that looks straight at the person: the network sees the same there and here.
+  for (std::size_t t = 0; t < kFrames; ++t) {
+    const std::size_t root = t * kJoints + static_cast<std::size_t>(lifter.skeleton().root);
+    const Eigen::Vector3d ray((view.keypoints[2 * root] - 500) / 900, (view.keypoints[2 * root + 1] - 500) / 900, 1.0);
+    const Eigen::Matrix3d onto_axis = RotationOntoAxis(ray);
+    CameraView straight = view;
+    for (std::size_t i = 0; i < view.confidence.size(); ++i) {
+      const Eigen::Vector3d seen = onto_axis * Eigen::Vector3d((view.keypoints[2 * i] - 500) / 900,
+                                                               (view.keypoints[2 * i + 1] - 500) / 900, 1.0);
+      straight.keypoints[2 * i] = static_cast<float>(500 + 900 * seen.x() / seen.z());
+      straight.keypoints[2 * i + 1] = static_cast<float>(500 + 900 * seen.y() / seen.z());
+    }
+    const LiftedPoses on_axis = lifter.Lift(straight, kFrames);
+    const auto matrix = [&](const LiftedPoses& poses) {
+      return Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(&poses.rotation[9 * t]).cast<double>();
+    };
+    EXPECT_NEAR((matrix(a) - onto_axis.transpose() * matrix(on_axis)).norm(), 0.0, 1e-4);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const auto joint = [&](const std::vector<float>& poses) {
+        const float* values = &poses[3 * (t * kJoints + j)];
+        return Eigen::Vector3d(values[0], values[1], values[2]);
+      };
+      EXPECT_NEAR((joint(a.pose_in_camera) - onto_axis.transpose() * joint(on_axis.pose_in_camera)).norm(), 0.0, 1e-4);
+      EXPECT_NEAR((joint(a.pose_in_camera) - matrix(a) * joint(a.canonical)).norm(), 0.0, 1e-5);
+    }
+  }
 }
 
 TEST(PoseLifter, FramesWithoutAPersonStayMissing) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "canonpose/base/error.h"
 #include "canonpose/base/random.h"
 
 namespace canonpose {
@@ -9,8 +10,15 @@ namespace {
 
 constexpr double kLeakySlope = 0.01;
 constexpr double kSmallestSquaredAngle = 1e-4;
+constexpr double kSmallestSquaredLength = 1e-12;
 
-torch::Tensor LeakyRelu(const torch::Tensor& x) { return torch::leaky_relu(x, kLeakySlope); }
+/// In place: no layer needs what it gave before, and half of the memory traffic of small layers goes.
+torch::Tensor LeakyRelu(torch::Tensor x) { return torch::leaky_relu_(x, kLeakySlope); }
+
+/// (B, 3) -> (B, 3) of length 1.
+torch::Tensor Unit(const torch::Tensor& vectors) {
+  return vectors / torch::sqrt(torch::clamp_min((vectors * vectors).sum(1, /*keepdim=*/true), kSmallestSquaredLength));
+}
 
 }  // namespace
 
@@ -27,6 +35,18 @@ torch::Tensor Rodrigues(const torch::Tensor& axis_angle) {
   return torch::eye(3, axis_angle.options()) + sine * cross + versine * torch::bmm(cross, cross);
 }
 
+RotationForm RotationFormNamed(const std::string& name) {
+  CANONPOSE_CHECK(name == "axis_angle" || name == "6d", "{}", name);
+  return name == "6d" ? RotationForm::kSix : RotationForm::kAxisAngle;
+}
+
+torch::Tensor RotationFromSix(const torch::Tensor& six) {
+  const torch::Tensor first = Unit(six.narrow(1, 0, 3));  // (B, 3)
+  const torch::Tensor b = six.narrow(1, 3, 3);
+  const torch::Tensor second = Unit(b - (first * b).sum(1, /*keepdim=*/true) * first);
+  return torch::stack({first, second, torch::cross(first, second, 1)}, 2);
+}
+
 ResidualBlockImpl::ResidualBlockImpl(int width)
     : l1_(register_module("l1", torch::nn::Linear(width, width))),
       l2_(register_module("l2", torch::nn::Linear(width, width))) {}
@@ -35,9 +55,10 @@ torch::Tensor ResidualBlockImpl::forward(const torch::Tensor& x) {
   return LeakyRelu(x + LeakyRelu(l2_(LeakyRelu(l1_(x)))));
 }
 
-LifterImpl::LifterImpl(int joint_count, int width)
+LifterImpl::LifterImpl(int joint_count, int width, RotationForm form)
     : joint_count_(joint_count),
       width_(width),
+      form_(form),
       upscale_(register_module("upscale", torch::nn::Linear(3 * joint_count, width))),
       res_common_(register_module("res_common", ResidualBlock(width))),
       res_pose1_(register_module("res_pose1", ResidualBlock(width))),
@@ -45,13 +66,18 @@ LifterImpl::LifterImpl(int joint_count, int width)
       res_cam1_(register_module("res_cam1", ResidualBlock(width))),
       res_cam2_(register_module("res_cam2", ResidualBlock(width))),
       pose3d_(register_module("pose3d", torch::nn::Linear(width, 3 * joint_count))),
-      enc_rot_(register_module("enc_rot", torch::nn::Linear(width, 3))) {}
+      enc_rot_(register_module("enc_rot", torch::nn::Linear(width, form == RotationForm::kSix ? 6 : 3))) {}
 
 LifterOutput LifterImpl::forward(const torch::Tensor& input) {
   const torch::Tensor common = res_common_(upscale_(input));
   LifterOutput output;
   output.pose = pose3d_(res_pose2_(res_pose1_(common))).view({-1, 3, joint_count_});
-  output.axis_angle = enc_rot_(res_cam2_(res_cam1_(common)));
+  const torch::Tensor encoded = enc_rot_(res_cam2_(res_cam1_(common)));
+  if (form_ == RotationForm::kSix) {
+    output.rotation = RotationFromSix(encoded + torch::eye(3, encoded.options()).narrow(0, 0, 2).flatten());
+    return output;
+  }
+  output.axis_angle = encoded;
   output.rotation = Rodrigues(output.axis_angle);
   return output;
 }
@@ -75,8 +101,15 @@ void LifterImpl::MirrorRows(const std::string& name, torch::Tensor& tensor) cons
   const torch::NoGradGuard no_grad;
   const int joints = joint_count_;
   if (name == "pose3d.weight" || name == "pose3d.bias") tensor.narrow(0, 2 * joints, joints).neg_();
-  // F R(w) F = R(-w_x, -w_y, w_z): a rotation vector is axial.
-  if (name == "enc_rot.weight" || name == "enc_rot.bias") tensor.narrow(0, 0, 2).neg_();
+  if (name != "enc_rot.weight" && name != "enc_rot.bias") return;
+  if (form_ == RotationForm::kAxisAngle) {
+    // F R(w) F = R(-w_x, -w_y, w_z): a rotation vector is axial.
+    tensor.narrow(0, 0, 2).neg_();
+    return;
+  }
+  // The first two columns of F R F are F times those of R, and the third, their cross product, follows.
+  tensor.select(0, 2).neg_();
+  tensor.select(0, 5).neg_();
 }
 
 void LifterImpl::Mirror() {

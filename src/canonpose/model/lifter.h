@@ -10,15 +10,29 @@
 
 namespace canonpose {
 
+/// What the rotation branch ends in.
+enum class RotationForm {
+  kAxisAngle,  ///< three numbers: a rotation vector, see Rodrigues()
+  kSix,        ///< six: two columns of a matrix before they are made orthonormal, see RotationFromSix()
+};
+
+/// Of "axis_angle" or "6d", as options and model files name them.
+RotationForm RotationFormNamed(const std::string& name);
+
 struct LifterOutput {
   torch::Tensor pose;        ///< (B, 3, J) canonical pose X, in the network's unit
-  torch::Tensor axis_angle;  ///< (B, 3) rotation vector
+  torch::Tensor axis_angle;  ///< (B, 3) rotation vector; undefined for the form kSix
   torch::Tensor rotation;    ///< (B, 3, 3) camera_from_canonical: pose_in_camera = rotation * pose
 };
 
 /// Rotation matrices of rotation vectors: (B, 3) -> (B, 3, 3). R = I + sin(t) K + (1 - cos(t)) K^2 with K the
 /// cross-product matrix of r / t and t^2 = max(|r|^2, 1e-4), the clamp of the published implementation.
 torch::Tensor Rodrigues(const torch::Tensor& axis_angle);
+
+/// Rotation matrices of two vectors each: (B, 6) = (a, b) -> (B, 3, 3) with columns a / |a|, the part of b across it
+/// made a unit vector, and their cross product. Continuous, which no form with three numbers is: Zhou et al., "On the
+/// Continuity of Rotation Representations in Neural Networks", CVPR 2019, equation 15.
+torch::Tensor RotationFromSix(const torch::Tensor& six);
 
 /// x + lrelu(l2(lrelu(l1(x)))), then one more leaky ReLU; slope 0.01.
 class ResidualBlockImpl : public torch::nn::Module {
@@ -34,10 +48,11 @@ TORCH_MODULE(ResidualBlock);
 
 /// Input (B, 3J): x of all joints, y of all joints, confidences. Fully connected to `width`, one common residual block,
 /// then a branch of two blocks for the pose and one of two for the rotation. Parameter names are those of the golden
-/// files.
+/// files. Of the form kSix the first two columns of the identity are added to what the rotation branch gives, so that
+/// either form starts near no rotation.
 class LifterImpl : public torch::nn::Module {
  public:
-  LifterImpl(int joint_count, int width);
+  LifterImpl(int joint_count, int width, RotationForm form = RotationForm::kAxisAngle);
 
   LifterOutput forward(const torch::Tensor& input);
 
@@ -50,7 +65,7 @@ class LifterImpl : public torch::nn::Module {
 
   /// Turns the network into its depth mirror, exactly: with F = diag(1, 1, -1) every pose X becomes F X and every
   /// rotation F R F, so that each 2D reprojection stays as it is and each depth changes sign. Negates the z rows of the
-  /// pose layer and the x and y rows of the rotation layer.
+  /// pose layer and, of the rotation layer, the x and y rows of a rotation vector or the z rows of the two columns.
   void Mirror();
 
   /// Applies Mirror()'s signs to a tensor that belongs to the parameter `name` (an optimiser's first moment); others
@@ -60,6 +75,7 @@ class LifterImpl : public torch::nn::Module {
  private:
   int joint_count_;
   int width_;
+  RotationForm form_;
   torch::nn::Linear upscale_;
   ResidualBlock res_common_;
   ResidualBlock res_pose1_;

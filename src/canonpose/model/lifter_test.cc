@@ -34,9 +34,46 @@ TEST(Rodrigues, GradientIsFiniteAtZero) {
   EXPECT_TRUE(torch::isfinite(axis_angle.grad()).all().item<bool>());
 }
 
-TEST(Lifter, GradientMatchesNumericOne) {
+TEST(RotationFromSix, GivesRotationsAndKeepsTheFirstDirection) {
+  torch::manual_seed(7);
+  const torch::Tensor six = 3.0 * torch::randn({50, 6}, kDouble);
+  const torch::Tensor rotation = RotationFromSix(six);
+  const torch::Tensor identity = torch::eye(3, kDouble).expand({50, 3, 3});
+  EXPECT_TRUE(torch::allclose(torch::bmm(rotation.transpose(1, 2), rotation), identity, 0, 1e-12));
+  EXPECT_TRUE(torch::allclose(torch::det(rotation), torch::ones({50}, kDouble), 0, 1e-12));
+  const torch::Tensor along = (rotation.select(2, 0) * six.narrow(1, 0, 3)).sum(1);
+  EXPECT_TRUE(torch::allclose(along, six.narrow(1, 0, 3).norm(2, 1), 0, 1e-12));
+  // A rotation's own columns give it back.
+  const torch::Tensor columns = torch::cat({rotation.select(2, 0), rotation.select(2, 1)}, 1);
+  EXPECT_TRUE(torch::allclose(RotationFromSix(columns), rotation, 0, 1e-12));
+}
+
+TEST(RotationFromSix, GradientMatchesNumericOneAndIsFiniteAtZero) {
+  torch::manual_seed(8);
+  torch::Tensor six = torch::randn({2, 6}, kDouble).requires_grad_();
+  const torch::Tensor weights = torch::randn({2, 3, 3}, kDouble);
+  (RotationFromSix(six) * weights).sum().backward();
+  for (std::int64_t i = 0; i < 12; ++i) {
+    constexpr double kStep = 1e-6;
+    const auto at = [&](double offset) {
+      torch::Tensor moved = six.detach().clone();
+      moved.view({-1})[i] += offset;
+      return (RotationFromSix(moved) * weights).sum().item<double>();
+    };
+    EXPECT_NEAR(six.grad().view({-1})[i].item<double>(), (at(kStep) - at(-kStep)) / (2 * kStep), 1e-7) << i;
+  }
+  torch::Tensor zero = torch::zeros({1, 6}, kDouble).requires_grad_();
+  RotationFromSix(zero).sum().backward();
+  EXPECT_TRUE(torch::isfinite(zero.grad()).all().item<bool>());
+}
+
+class LifterOfForm : public ::testing::TestWithParam<RotationForm> {};
+
+INSTANTIATE_TEST_SUITE_P(Lifter, LifterOfForm, ::testing::Values(RotationForm::kAxisAngle, RotationForm::kSix));
+
+TEST_P(LifterOfForm, GradientMatchesNumericOne) {
   torch::manual_seed(2);
-  Lifter lifter(4, 8);
+  Lifter lifter(4, 8, GetParam());
   lifter->Initialise(3);
   lifter->to(torch::kFloat64);
   const torch::Tensor input = torch::randn({5, 12}, kDouble);
@@ -62,9 +99,9 @@ TEST(Lifter, GradientMatchesNumericOne) {
   }
 }
 
-TEST(Lifter, MirrorNegatesDepthsAndKeepsReprojections) {
+TEST_P(LifterOfForm, MirrorNegatesDepthsAndKeepsReprojections) {
   torch::manual_seed(4);
-  Lifter lifter(17, 32);
+  Lifter lifter(17, 32, GetParam());
   lifter->Initialise(5);
   lifter->to(torch::kFloat64);
   const torch::NoGradGuard no_grad;
@@ -79,10 +116,12 @@ TEST(Lifter, MirrorNegatesDepthsAndKeepsReprojections) {
   // Poses mixed with the rotations of other rows too: this is what the losses see.
   EXPECT_TRUE(torch::allclose(Depths(before.rotation.roll(1, 0), before.pose),
                               -Depths(after.rotation.roll(1, 0), after.pose), 0, 1e-12));
+  const torch::Tensor flip = torch::diag(torch::tensor({1.0, 1.0, -1.0}, kDouble));
+  EXPECT_TRUE(torch::allclose(after.rotation, flip.matmul(before.rotation).matmul(flip), 0, 1e-14));
   lifter->Mirror();
   const LifterOutput twice = lifter->forward(input);
   EXPECT_TRUE(torch::equal(before.pose, twice.pose));
-  EXPECT_TRUE(torch::equal(before.axis_angle, twice.axis_angle));
+  EXPECT_TRUE(torch::equal(before.rotation, twice.rotation));
 }
 
 TEST(Lifter, InitialisationDependsOnTheSeedAlone) {

@@ -1,6 +1,9 @@
 #include "canonpose/model/model_file.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/data/skeleton_file.h"
@@ -11,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "canonpose-model";
-constexpr std::int64_t kVersion = 1;
+constexpr std::int64_t kLatestVersion = 2;
 constexpr std::int64_t kLargestWidth = 65536;
 
 fs::path ModelPath(const fs::path& path) { return fs::is_directory(path) ? path / "model.cpm" : path; }
@@ -29,11 +32,26 @@ h5::File OpenModel(const fs::path& path) {
               root.HasAttribute("format") ? fmt::format("\"{}\"", root.GetString("format")) : "nothing",
               "give a model made by `canonpose train`");
   }
-  if (const std::int64_t version = root.GetInt("version"); version != kVersion) {
-    root.Fail("attribute version", fmt::format("{}", kVersion), fmt::format("{}", version),
+  if (const std::int64_t version = root.GetInt("version"); version < 1 || version > kLatestVersion) {
+    root.Fail("attribute version", fmt::format("1 to {}", kLatestVersion), fmt::format("{}", version),
               "it was made by another version of this program: use that one or train again");
   }
   return file;
+}
+
+/// Whether a reader of version 1 would take the model for another.
+bool NeedsVersion2(const ModelInfo& info) { return info.rotation != "axis_angle" || info.input.ray != "off"; }
+
+/// One of the words allowed; the first where the attribute is not there, as in files of version 1.
+std::string ReadWord(const h5::Group& root, const char* name, const std::vector<std::string>& allowed) {
+  if (!root.HasAttribute(name)) return allowed.front();
+  const std::string word = root.GetString(name);
+  if (std::find(allowed.begin(), allowed.end(), word) == allowed.end()) {
+    root.Fail(fmt::format("attribute {}", name), fmt::format("one of {}", fmt::join(allowed, ", ")),
+              fmt::format("\"{}\"", word),
+              "it was made by another version of this program: use that one or train again");
+  }
+  return word;
 }
 
 }  // namespace
@@ -49,6 +67,11 @@ void WriteModelInfo(h5::Group& root, const ModelInfo& info) {
   root.SetDouble("mirror_slope", info.mirror.slope);
   root.SetDouble("mirror_slope_error", info.mirror.slope_error);
   root.SetDouble("perspective", info.perspective);
+  if (NeedsVersion2(info)) {
+    root.SetString("rotation", info.rotation);
+    root.SetString("ray", info.input.ray);
+    root.SetString("focal", info.input.focal);
+  }
   h5::Group skeleton = root.Create("skeleton");
   WriteSkeleton(skeleton, info.skeleton);
   h5::Group source = root.Create("source");
@@ -70,6 +93,9 @@ ModelInfo ReadModelInfo(const h5::Group& root) {
               "the file is damaged: train again");
   }
   info.width = static_cast<int>(width);
+  info.rotation = ReadWord(root, "rotation", {"axis_angle", "6d"});
+  info.input.ray = ReadWord(root, "ray", {"off", "root"});
+  info.input.focal = ReadWord(root, "focal", {"guess", "known"});
   info.preset = root.GetString("preset");
   info.options = root.GetString("options");
   info.seed = static_cast<std::uint64_t>(root.GetInt("seed"));
@@ -107,7 +133,7 @@ NamedArrays ReadArrays(const h5::Group& group) {
 void WriteModelFile(const fs::path& path, const ModelFile& model) {
   h5::File file = h5::File::CreateAt(path);
   file.root().SetString("format", kFormat);
-  file.root().SetInt("version", kVersion);
+  file.root().SetInt("version", NeedsVersion2(model.info) ? 2 : 1);
   WriteModelInfo(file.root(), model.info);
   {
     h5::Group parameters = file.root().Create("parameters");

@@ -1,9 +1,9 @@
 // The model file (.cpm): everything needed to use a trained lifter, in one HDF5 file. No LibTorch here, so that `info`
 // and others can read one without it.
 //
-//   /            attributes format = "canonpose-model", version = 1, program_version, width, preset, options (JSON),
-//   seed, steps,
-//                mirror_decision, mirror_slope, mirror_slope_error, perspective
+//   /            attributes format = "canonpose-model", version = 1 or 2, program_version, width, preset, options
+//   (JSON), seed, steps,
+//                mirror_decision, mirror_slope, mirror_slope_error, perspective; in version 2 also rotation, ray, focal
 //   /skeleton    as in a dataset file
 //   /source      attributes format, layout, confidence_scale, mapping: the kind of keypoint file it was trained on
 //   /data        attributes files, fingerprints: what it was trained on
@@ -32,11 +32,20 @@ struct MirrorDecision {
   double slope_error = 0.0;            ///< its standard error over clips
 };
 
+/// How a view's 2D pose is made the network's input (model/pose_input.h).
+struct InputForm {
+  std::string ray = "off";  ///< off; root: the root's viewing ray is turned onto the optical axis
+  std::string focal =
+      "guess";  ///< for that, guess: from the image size; known: solved or calibrated where there is one
+};
+
 struct ModelInfo {
   std::string program_version;
   Skeleton skeleton;
   DatasetSource source;
   int width = 0;
+  std::string rotation = "axis_angle";  ///< form of the rotation branch, see RotationFormNamed()
+  InputForm input;
   std::string preset;
   std::string options;  ///< JSON of every training option
   std::uint64_t seed = 0;
@@ -52,7 +61,8 @@ struct ModelFile {
   NamedArrays parameters;
 };
 
-/// Writes atomically; the same model gives the same bits. Throws Error(kBadInput).
+/// Writes atomically; the same model gives the same bits. A model that version 1 can say all of is written as
+/// version 1. Throws Error(kBadInput).
 void WriteModelFile(const std::filesystem::path& path, const ModelFile& model);
 
 /// `path` is a model file, or the folder of a training run that holds model.cpm. Throws Error(kBadInput).

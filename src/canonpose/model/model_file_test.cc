@@ -56,6 +56,36 @@ TEST(ModelFile, RoundTripKeepsEverything) {
   for (const auto& [name, array] : model.parameters) EXPECT_EQ(read.parameters.at(name).values, array.values) << name;
 }
 
+TEST(ModelFile, RotationAndInputFormAreKeptAndOlderFilesHaveNone) {
+  const TemporaryFolder folder;
+  ModelFile model = Example();
+  WriteModelFile(folder / "plain.cpm", model);
+  const ModelInfo plain = ReadModelInfo(folder / "plain.cpm");
+  EXPECT_EQ(plain.rotation, "axis_angle");
+  EXPECT_EQ(plain.input.ray, "off");
+  model.info.rotation = "6d";
+  model.info.input = {"root", "known"};
+  Lifter lifter(17, 16, RotationForm::kSix);
+  lifter->Initialise(1);
+  model.parameters = ParametersOf(lifter);
+  WriteModelFile(folder / "turned.cpm", model);
+  const ModelFile read = ReadModelFile(folder / "turned.cpm");
+  EXPECT_EQ(read.info.rotation, "6d");
+  EXPECT_EQ(read.info.input.ray, "root");
+  EXPECT_EQ(read.info.input.focal, "known");
+  EXPECT_EQ(MakeLifter(read, "turned.cpm", torch::kCPU)->named_parameters()["enc_rot.bias"].size(0), 6);
+  // A program that knows version 1 alone must not take either for the other.
+  h5::File plain_file = h5::File::OpenForReading(folder / "plain.cpm");
+  h5::File turned_file = h5::File::OpenForReading(folder / "turned.cpm");
+  EXPECT_EQ(plain_file.root().GetInt("version"), 1);
+  EXPECT_FALSE(plain_file.root().HasAttribute("ray"));
+  EXPECT_EQ(turned_file.root().GetInt("version"), 2);
+  model.info.input.ray = "sideways";
+  WriteModelFile(folder / "odd.cpm", model);
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadModelFile(folder / "odd.cpm"); }),
+              AllOf(HasSubstr("attribute ray"), HasSubstr("off, root"), HasSubstr("sideways")));
+}
+
 TEST(ModelFile, SameModelSameBits) {
   const TemporaryFolder folder;
   WriteModelFile(folder / "a.cpm", Example());
@@ -90,7 +120,7 @@ TEST(ModelFile, RefusesOtherVersionsFormatsAndTruncations) {
     file.Commit();
   }
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadModelFile(folder / "other.cpm"); }),
-              AllOf(HasSubstr("version"), HasSubstr("expected 1"), HasSubstr("found 9")));
+              AllOf(HasSubstr("version"), HasSubstr("expected 1 to 2"), HasSubstr("found 9")));
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadModelFile(folder / "nothing.cpm"); }), HasSubstr("nothing.cpm"));
 }
 

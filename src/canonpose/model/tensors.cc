@@ -43,7 +43,7 @@ void LoadParameters(Lifter& lifter, const NamedArrays& parameters, const std::st
 }
 
 Lifter MakeLifter(const ModelFile& model, const std::string& file, torch::Device device) {
-  Lifter lifter(model.info.skeleton.joint_count(), model.info.width);
+  Lifter lifter(model.info.skeleton.joint_count(), model.info.width, RotationFormNamed(model.info.rotation));
   LoadParameters(lifter, model.parameters, file);
   lifter->to(device);
   lifter->eval();

@@ -202,7 +202,7 @@ void FillFromStart(const CaptureObservations& capture, int frame, bool mirrored,
         is_seen = is_seen || (estimate.CameraAt(frame, v).valid && capture.Sees(frame, v, j));
       }
       const double length = std::exp(lengths[static_cast<std::size_t>(j)]);
-      if (!is_seen || !std::isfinite(length)) continue;
+      if (!is_seen || !std::isfinite(length) || mean.row(j).isZero()) continue;
       const Eigen::Vector3d direction = (mean.row(j) - mean.row(parent)).transpose();
       estimate.Joint(frame, j) = estimate.Joint(frame, parent) + length * direction.normalized();
       changed = true;

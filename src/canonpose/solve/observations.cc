@@ -47,11 +47,15 @@ void FillView(CaptureObservations& capture, const ClipRange& clip, int v, const 
       capture.xy[2 * (to + j) + 1] = static_cast<float>((y - centre[1]) / camera.diagonal_px);
     }
     if (start.empty()) continue;
+    const auto root = static_cast<std::size_t>(capture.skeleton.root);
     double squares = 0.0;
-    for (std::size_t i = 0; i < 3 * joints; ++i) squares += std::pow(start[3 * from + i], 2);
-    if (!std::isfinite(squares) || squares <= 0.0) continue;
     for (std::size_t i = 0; i < 3 * joints; ++i) {
-      capture.start[3 * to + i] = static_cast<float>(start[3 * from + i] / std::sqrt(squares));
+      if (std::isfinite(start[3 * from + i])) squares += std::pow(start[3 * from + i], 2);
+    }
+    if (!std::isfinite(start[3 * (from + root)]) || squares <= 0.0) continue;
+    for (std::size_t i = 0; i < 3 * joints; ++i) {
+      const float value = start[3 * from + i];
+      capture.start[3 * to + i] = std::isfinite(value) ? static_cast<float>(value / std::sqrt(squares)) : 0.0F;
     }
   }
 }

@@ -47,7 +47,8 @@ struct CaptureObservations {
   int frame_count = 0;
   std::vector<float> xy;          ///< (F, V, J, 2) normalised; NaN where not detected
   std::vector<float> confidence;  ///< (F, V, J) 0 where not detected
-  std::vector<float> start;       ///< (F, V, J, 3) StartPoses, of unit Frobenius norm; NaN where not lifted
+  std::vector<float>
+      start;  ///< (F, V, J, 3) StartPoses of unit norm; NaN where not lifted, joints unknown to the lifter at the root
 
   [[nodiscard]] int view_count() const { return static_cast<int>(cameras.size()); }
   [[nodiscard]] int joint_count() const { return skeleton.joint_count(); }

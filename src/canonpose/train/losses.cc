@@ -119,26 +119,36 @@ BatchPairs MakeBatchPairs(const std::vector<const TrainingFrame*>& frames,
   return pairs;
 }
 
-BatchTensors GatherBatch(const TrainingSet& set, const std::vector<const TrainingFrame*>& frames,
-                         torch::Device device) {
+BatchTensors GatherBatch(const TrainingSet& set, const std::vector<const TrainingFrame*>& frames, torch::Device device,
+                         const RowChange& change) {
   std::int64_t rows = 0;
   for (const TrainingFrame* frame : frames) rows += static_cast<std::int64_t>(frame->views.size());
   const auto joints = static_cast<std::int64_t>(set.joint_count);
-  BatchTensors batch{torch::empty({rows, 2, joints}), torch::empty({rows, joints}), {}};
-  if (!set.truth.empty()) batch.truth = torch::empty({rows, 3, joints});
-  float* truth = set.truth.empty() ? nullptr : batch.truth.data_ptr<float>();
-  float* keypoints = batch.keypoints.data_ptr<float>();
-  float* confidence = batch.confidence.data_ptr<float>();
+  BatchTensors batch{torch::empty({rows, 2, joints}), torch::empty({rows, joints}), {}, {}};
+  if (!set.target.empty()) batch.target = torch::empty({rows, 3, joints});
+  if (!set.target_weight.empty()) batch.target_weight = torch::empty({rows, joints});
+  TrainingRow row{batch.keypoints.data_ptr<float>(), batch.confidence.data_ptr<float>(),
+                  batch.target.defined() ? batch.target.data_ptr<float>() : nullptr,
+                  batch.target_weight.defined() ? batch.target_weight.data_ptr<float>() : nullptr};
+  const auto copy = [](const std::vector<float>& from, std::int64_t index, std::int64_t size, float* to) {
+    if (to != nullptr) std::copy_n(from.begin() + index * size, size, to);
+  };
   for (const TrainingFrame* frame : frames) {
     for (const TrainingView& view : frame->views) {
-      keypoints = std::copy_n(set.keypoints.begin() + view.row * 2 * joints, 2 * joints, keypoints);
-      confidence = std::copy_n(set.confidence.begin() + view.row * joints, joints, confidence);
-      if (truth != nullptr) truth = std::copy_n(set.truth.begin() + view.row * 3 * joints, 3 * joints, truth);
+      copy(set.keypoints, view.row, 2 * joints, row.keypoints);
+      copy(set.confidence, view.row, joints, row.confidence);
+      copy(set.target, view.row, 3 * joints, row.target);
+      copy(set.target_weight, view.row, joints, row.target_weight);
+      if (change) change(view.row, row);
+      row.keypoints += 2 * joints;
+      row.confidence += joints;
+      if (row.target != nullptr) row.target += 3 * joints;
+      if (row.target_weight != nullptr) row.target_weight += joints;
     }
   }
-  batch.keypoints = batch.keypoints.to(device);
-  batch.confidence = batch.confidence.to(device);
-  if (truth != nullptr) batch.truth = batch.truth.to(device);
+  for (torch::Tensor* tensor : {&batch.keypoints, &batch.confidence, &batch.target, &batch.target_weight}) {
+    if (tensor->defined()) *tensor = tensor->to(device);
+  }
   return batch;
 }
 
@@ -163,16 +173,17 @@ torch::Tensor PairErrors(const torch::Tensor& projected, const torch::Tensor& ke
 }
 
 Losses ComputeSupervisedLoss(const LifterOutput& output, const BatchTensors& batch, int root) {
-  const torch::Tensor pose = torch::bmm(output.rotation, output.pose);                     // (R, 3, J)
-  const torch::Tensor known = torch::isfinite(batch.truth).all(1).to(pose.scalar_type());  // (R, J)
-  const torch::Tensor truth = torch::nan_to_num(batch.truth);                              // (R, 3, J)
-  const torch::Tensor centred = (pose - pose.narrow(2, root, 1)) * known.unsqueeze(1);     // (R, 3, J)
+  const torch::Tensor pose = torch::bmm(output.rotation, output.pose);                      // (R, 3, J)
+  const torch::Tensor known = torch::isfinite(batch.target).all(1).to(pose.scalar_type());  // (R, J)
+  const torch::Tensor target = torch::nan_to_num(batch.target);                             // (R, 3, J)
+  const torch::Tensor centred = (pose - pose.narrow(2, root, 1)) * known.unsqueeze(1);      // (R, 3, J)
   const torch::Tensor norm = torch::sqrt(torch::clamp_min((centred * centred).sum({1, 2}, true), 1e-12));
-  const torch::Tensor squares = (centred / norm - truth).square().sum(1);  // (R, J)
+  const torch::Tensor squares = (centred / norm - target).square().sum(1);  // (R, J)
   // The root's distance is 0, where the square root has no gradient.
-  const torch::Tensor distance = torch::sqrt(squares + 1e-12) * known;
+  const torch::Tensor weight = batch.target_weight.defined() ? known * batch.target_weight : known;
+  const torch::Tensor distance = torch::sqrt(squares + 1e-12) * weight;
   Losses losses;
-  losses.total = distance.sum() / torch::clamp_min(known.sum(), 1.0);
+  losses.total = distance.sum() / torch::clamp_min(weight.sum(), 1e-6);
   losses.reprojection = losses.view = losses.camera = torch::zeros({}, losses.total.options());
   return losses;
 }

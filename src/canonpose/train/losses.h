@@ -53,15 +53,21 @@ BatchPairs MakeBatchPairs(const std::vector<const TrainingFrame*>& frames,
                           const std::vector<std::uint8_t>& static_captures, bool with_camera_loss,
                           const DrawPermutation& draw_permutation);
 
+/// Makes a row of a batch another; `set_row` is its number in the set.
+using RowChange = std::function<void(int set_row, const TrainingRow& row)>;
+
 /// Rows of a batch on the device.
 struct BatchTensors {
   torch::Tensor keypoints;   ///< (R, 2, J)
   torch::Tensor confidence;  ///< (R, J)
-  torch::Tensor truth;  ///< (R, 3, J) root-centred, of unit norm, NaN where unknown; undefined where the set has none
+  torch::Tensor target;  ///< (R, 3, J) root-centred, of unit norm, NaN where unknown; undefined where the set has none
+  torch::Tensor target_weight;  ///< (R, J); undefined where all joints count the same
 };
 
-/// The rows of `frames`, in the order MakeBatchPairs() numbers them.
-BatchTensors GatherBatch(const TrainingSet& set, const std::vector<const TrainingFrame*>& frames, torch::Device device);
+/// The rows of `frames`, in the order MakeBatchPairs() numbers them. `change`, where there is one, is called for every
+/// row in that order, with its number in the set and its copy in the batch, to make it another.
+BatchTensors GatherBatch(const TrainingSet& set, const std::vector<const TrainingFrame*>& frames, torch::Device device,
+                         const RowChange& change = {});
 
 struct LossWeights {
   double reprojection = 1.0;
@@ -69,7 +75,8 @@ struct LossWeights {
   double camera = 0.1;
 };
 
-/// The losses and their weighted sum; scalars. `camera` is 0 without camera pairs. With truth there is `total` alone.
+/// The losses and their weighted sum; scalars. `camera` is 0 without camera pairs. With supervision there is `total`
+/// alone.
 struct Losses {
   torch::Tensor reprojection;
   torch::Tensor view;
@@ -89,8 +96,9 @@ torch::Tensor Project(const torch::Tensor& pose_in_camera, const torch::Tensor& 
 torch::Tensor PairErrors(const torch::Tensor& projected, const torch::Tensor& keypoints,
                          const torch::Tensor& confidence);
 
-/// The loss of supervised training, scale-free as N-MPJPE is: the mean distance of joints between P / |P| and the
-/// truth, P the pose in the camera centred on the root, |.| the Frobenius norm over the joints whose truth is known.
+/// The loss of supervised training, scale-free as N-MPJPE is: the mean distance of joints, weighted where the
+/// batch has weights, between P / |P| and the target, P the pose in the camera centred on the root, |.| the Frobenius
+/// norm over the joints whose target is known.
 Losses ComputeSupervisedLoss(const LifterOutput& output, const BatchTensors& batch, int root);
 
 Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs,

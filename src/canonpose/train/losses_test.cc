@@ -186,7 +186,7 @@ TEST(SupervisedLoss, GradientsMatchNumericOnesAndUnknownTruthTakesNoPart) {
   truth = truth - truth.narrow(2, 0, 1);
   truth[1].select(1, 2).fill_(std::numeric_limits<double>::quiet_NaN());
   const torch::Tensor squares = torch::nan_to_num(truth).square().sum({1, 2}, true);
-  example.batch.truth = truth / squares.sqrt();
+  example.batch.target = truth / squares.sqrt();
   const auto loss = [&] {
     return ComputeSupervisedLoss(example.lifter->forward(LifterInput(example.batch)), example.batch, 0).total;
   };
@@ -206,15 +206,36 @@ TEST(SupervisedLoss, GradientsMatchNumericOnesAndUnknownTruthTakesNoPart) {
   }
 }
 
+TEST(SupervisedLoss, WeightsTellHowMuchAJointCounts) {
+  torch::manual_seed(7);
+  BatchTensors batch;
+  torch::Tensor target = torch::randn({3, 3, 6}, kDouble);
+  target = target - target.narrow(2, 0, 1);
+  batch.target = target / target.square().sum({1, 2}, true).sqrt();
+  LifterOutput output;
+  output.rotation = torch::eye(3, kDouble).expand({3, 3, 3});
+  output.pose = torch::randn({3, 3, 6}, kDouble);
+  const double plain = ComputeSupervisedLoss(output, batch, 0).total.item<double>();
+  batch.target_weight = torch::full({3, 6}, 0.3, kDouble);
+  EXPECT_NEAR(ComputeSupervisedLoss(output, batch, 0).total.item<double>(), plain, 1e-12);
+  // Only one joint of one pose counts: the loss is its distance.
+  batch.target_weight.zero_();
+  batch.target_weight[1][4] = 0.7;
+  torch::Tensor pose = output.pose[1] - output.pose[1].narrow(1, 0, 1);
+  pose = pose / pose.norm();
+  const double distance = (pose.select(1, 4) - batch.target[1].select(1, 4)).norm().item<double>();
+  EXPECT_NEAR(ComputeSupervisedLoss(output, batch, 0).total.item<double>(), distance, 1e-9);
+}
+
 TEST(SupervisedLoss, IsZeroForTheTruthAtAnyScaleAndPlaceAndNotForItsMirror) {
   torch::manual_seed(6);
   torch::Tensor truth = torch::randn({4, 3, 6}, kDouble);
   truth = truth - truth.narrow(2, 0, 1);
   truth = truth / truth.square().sum({1, 2}, true).sqrt();
   BatchTensors batch;
-  batch.truth = truth.clone();
-  batch.truth[2].select(1, 5).fill_(std::numeric_limits<double>::quiet_NaN());
-  batch.truth[2] /= torch::nan_to_num(batch.truth[2]).square().sum().sqrt();
+  batch.target = truth.clone();
+  batch.target[2].select(1, 5).fill_(std::numeric_limits<double>::quiet_NaN());
+  batch.target[2] /= torch::nan_to_num(batch.target[2]).square().sum().sqrt();
   LifterOutput output;
   output.rotation = Rodrigues(torch::randn({4, 3}, kDouble));
   output.pose = torch::bmm(output.rotation.transpose(1, 2), 7.0 * truth + 3.0);

@@ -24,7 +24,15 @@ void VisitFields(Options& o, Visit&& visit) {
   visit("batch_frames", o.batch_frames, true);
   visit("learning_rate", o.learning_rate, true);
   visit("weight_decay", o.weight_decay, true);
+  visit("schedule", o.schedule, true);
   visit("supervision", o.supervision, true);
+  visit("ray", o.ray, true);
+  visit("focal", o.focal, true);
+  visit("rotation", o.rotation, true);
+  visit("new_views", o.new_views, true);
+  visit("flips", o.flips, true);
+  visit("joint_dropout", o.joint_dropout, true);
+  visit("uncertainty_weights", o.uncertainty_weights, true);
   visit("view_weight", o.view_weight, true);
   visit("camera_weight", o.camera_weight, true);
   visit("camera_consistency", o.camera_consistency, true);
@@ -63,6 +71,27 @@ void RequireOneOf(const char* name, const std::string& value, std::initializer_l
   ThrowUsage("{}: expected one of {}, found \"{}\"", name, list, value);
 }
 
+/// Options that only go together with some kind of supervision.
+void ValidateSupervision(const TrainOptions& options) {
+  if (options.supervision == "none") {
+    if (options.new_views > 0 || options.flips > 0 || options.joint_dropout > 0) {
+      ThrowUsage("new_views, flips and joint_dropout change a 3D pose to learn from: they need supervision");
+    }
+    if (options.ray != "off" && options.camera_consistency != "off") {
+      ThrowUsage("ray={} turns the camera with every pose, so that none stands still: camera_consistency must be off",
+                 options.ray);
+    }
+    return;
+  }
+  if (options.mirror != "auto") {
+    ThrowUsage("mirror: with supervision={} there is none to decide; leave it out", options.supervision);
+  }
+  if (options.perspective != "off" || options.camera_consistency != "off") {
+    ThrowUsage("supervision={} uses no projection: perspective and camera_consistency must be off",
+               options.supervision);
+  }
+}
+
 }  // namespace
 
 void TrainOptions::Validate() const {
@@ -86,12 +115,16 @@ void TrainOptions::Validate() const {
   RequireOneOf("camera_consistency", camera_consistency, {"off", "static"});
   RequireOneOf("perspective", perspective, {"off", "learned"});
   RequireOneOf("mirror", mirror, {"auto", "keep", "flip"});
-  RequireOneOf("supervision", supervision, {"none", "truth"});
-  if (supervision == "truth" && mirror != "auto")
-    ThrowUsage("mirror: with supervision=truth there is none to decide; leave it out");
-  if (supervision == "truth" && (perspective != "off" || camera_consistency != "off")) {
-    ThrowUsage("supervision=truth uses no projection: perspective and camera_consistency must be off");
-  }
+  require(new_views >= 0 && new_views <= 1, "new_views", "0 to 1", new_views);
+  require(flips >= 0 && flips <= 1, "flips", "0 to 1", flips);
+  require(joint_dropout >= 0 && joint_dropout <= 1, "joint_dropout", "0 to 1", joint_dropout);
+  RequireOneOf("schedule", schedule, {"steps", "cosine"});
+  RequireOneOf("supervision", supervision, {"none", "truth", "solved"});
+  RequireOneOf("ray", ray, {"off", "root"});
+  RequireOneOf("focal", focal, {"guess", "known"});
+  RequireOneOf("rotation", rotation, {"axis_angle", "6d"});
+  RequireOneOf("uncertainty_weights", uncertainty_weights, {"off", "on"});
+  ValidateSupervision(*this);
 }
 
 std::string TrainOptions::ToJson(bool only_what_changes_results) const {
@@ -145,7 +178,7 @@ std::vector<std::string> TrainOptions::Differences(const TrainOptions& other) co
   return names;
 }
 
-std::string PresetNames() { return "paper, paper+c, plus, supervised"; }
+std::string PresetNames() { return "paper, paper+c, plus, supervised, best"; }
 
 TrainOptions PresetOptions(const std::string& preset) {
   TrainOptions options;
@@ -154,6 +187,18 @@ TrainOptions PresetOptions(const std::string& preset) {
   if (preset == "paper") return options;
   if (preset == "supervised") {
     options.supervision = "truth";
+    return options;
+  }
+  if (preset == "best") {
+    options.supervision = "solved";
+    options.width = 256;
+    options.learning_rate = 1e-3;
+    options.schedule = "cosine";
+    options.ray = "root";
+    options.new_views = 0.8;
+    options.flips = 0.5;
+    options.joint_dropout = 0.15;
+    options.uncertainty_weights = "on";
     return options;
   }
   options.camera_consistency = "static";

@@ -9,16 +9,27 @@
 namespace canonpose {
 
 struct TrainOptions {
-  std::string preset = "plus";  ///< what the others were set by: paper, paper+c, plus, supervised
+  std::string preset = "plus";  ///< what the others were set by: paper, paper+c, plus, supervised, best
   int epochs = 0;               ///< 0: `default_epochs`, more where `min_steps` asks for it
   int default_epochs = 100;
-  int min_steps = 0;            ///< a small recording is gone through more often until this many steps are taken
-  int width = 1024;             ///< of the lifter's layers
-  int batch_frames = 32;        ///< frames a step, each with all its views
-  double learning_rate = 1e-4;  ///< x 0.1 after 30, 60 and 90 % of the epochs
-  double weight_decay = 1e-5;   ///< L2, added to the gradient
-  std::string supervision =
-      "none";  ///< none: the views alone; truth: the dataset's 3D poses, as a measure of what could be had
+  int min_steps = 0;               ///< a small recording is gone through more often until this many steps are taken
+  int width = 1024;                ///< of the lifter's layers
+  int batch_frames = 32;           ///< frames a step, each with all its views
+  double learning_rate = 1e-4;     ///< at the start
+  std::string schedule = "steps";  ///< of the rate, steps: x 0.1 after 30, 60 and 90 % of the epochs; cosine: down to 0
+  double weight_decay = 1e-5;      ///< L2, added to the gradient
+  std::string supervision = "none";  ///< none: the views alone; solved: the 3D poses that `solve` found from all views;
+                                     ///< truth: the dataset's true ones, as a measure of what could be had
+  std::string ray = "off";  ///< root: the root's viewing ray is turned onto the optical axis (model/pose_input.h)
+  std::string focal =
+      "guess";  ///< for that, guess: from the image size; known: solved or calibrated where there is one
+  std::string rotation = "axis_angle";  ///< form of the network's rotations: axis_angle, 6d (model/lifter.h)
+  double new_views = 0.0;      ///< share of poses seen from a new camera (train/new_views.h); needs supervision
+  double flips = 0.0;          ///< probability that a pose is mirrored left-right; needs supervision
+  double joint_dropout = 0.0;  ///< probability that a pose loses one to four joints; needs supervision
+  /// on: with supervision=solved a joint counts the less the less sure it is, 1 / (1 + (s / median s)^2) with s the
+  /// uncertainty of a joint relative to the size of its pose
+  std::string uncertainty_weights = "off";
   double view_weight = 1.0;                 ///< weight of view consistency
   double camera_weight = 0.1;               ///< weight of camera consistency
   std::string camera_consistency = "off";   ///< off; static: for captures whose cameras stand still
@@ -57,11 +68,12 @@ struct TrainOptions {
 ///   plus     paper+c where cameras are static, with the learned perspective factor, a quarter of the width and a
 ///   higher learning rate
 ///   supervised  the same lifter trained with the dataset's true 3D poses: what the others are measured against
+///   best     a lifter trained with the 3D poses that `solve` found from all views, seen from many more views
 ///
 /// All go through a small recording more often than 100 times, until 3000 steps are taken.
 TrainOptions PresetOptions(const std::string& preset);
 
-/// "paper, paper+c, plus, supervised"
+/// "paper, paper+c, plus, supervised, best"
 std::string PresetNames();
 
 }  // namespace canonpose

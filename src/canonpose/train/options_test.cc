@@ -39,6 +39,8 @@ TEST(TrainOptions, PublishedValues) {
   EXPECT_EQ(PresetOptions("paper+c").camera_weight, 0.1);
   EXPECT_EQ(PresetOptions("plus").perspective, "learned");
   EXPECT_EQ(PresetOptions("plus").camera_consistency, "static");
+  EXPECT_EQ(PresetOptions("supervised").new_views, 0.0);
+  EXPECT_EQ(PresetOptions("supervised").ray, "off");
   EXPECT_EQ(MakeSchedule(paper, 3200000).epochs, 100);
 }
 
@@ -70,6 +72,36 @@ TEST(TrainOptions, MistakesAreNamed) {
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr("off, learned"));
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [] { PresetOptions("papper"); }),
               AllOf(HasSubstr("papper"), HasSubstr("paper+c")));
+}
+
+TEST(TrainOptions, WhatChangesA3dPoseNeedsOne) {
+  TrainOptions options = PresetOptions("best");
+  options.Validate();
+  for (const char* name : {"new_views", "flips", "joint_dropout"}) {
+    TrainOptions unsupervised = PresetOptions("paper");
+    unsupervised.Set(name, "0.5");
+    EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { unsupervised.Validate(); }), HasSubstr("need supervision"));
+    options.Set(name, "1.5");
+    EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr(name));
+    options.Set(name, "0");
+  }
+  TrainOptions turned = PresetOptions("paper");
+  turned.ray = "root";
+  turned.Validate();
+  turned.camera_consistency = "static";
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { turned.Validate(); }), HasSubstr("camera_consistency"));
+}
+
+TEST(LearningRateFactor, CosineFallsFromOneToNothingStepByStep) {
+  TrainOptions options;
+  options.schedule = "cosine";
+  const Schedule schedule{10, 20};
+  EXPECT_EQ(LearningRateFactor(options, schedule, 0), 1.0);
+  EXPECT_NEAR(LearningRateFactor(options, schedule, 100), 0.5, 1e-12);
+  EXPECT_LT(LearningRateFactor(options, schedule, 199), 1e-3);
+  options.schedule = "steps";
+  EXPECT_EQ(LearningRateFactor(options, schedule, 59), 1.0);
+  EXPECT_NEAR(LearningRateFactor(options, schedule, 60), 0.1, 1e-12);
 }
 
 TEST(TrainOptions, DifferencesIgnoreWhatDoesNotChangeTheResult) {

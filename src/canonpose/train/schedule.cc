@@ -1,6 +1,8 @@
 #include "canonpose/train/schedule.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace canonpose {
 
@@ -22,6 +24,14 @@ double LearningRateFactor(int epoch, int epochs) {
     if (epoch >= milestone * epochs) factor *= 0.1;
   }
   return factor;
+}
+
+double LearningRateFactor(const TrainOptions& options, const Schedule& schedule, std::int64_t step) {
+  if (options.schedule == "cosine") {
+    const double done = static_cast<double>(step) / static_cast<double>(schedule.steps());
+    return 0.5 * (1.0 + std::cos(std::numbers::pi * done));
+  }
+  return LearningRateFactor(static_cast<int>(step / schedule.steps_per_epoch), schedule.epochs);
 }
 
 }  // namespace canonpose

@@ -10,7 +10,6 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
-#include "canonpose/base/hash.h"
 #include "canonpose/base/interrupt.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/progress.h"
@@ -18,7 +17,9 @@
 #include "canonpose/model/runtime.h"
 #include "canonpose/model/tensors.h"
 #include "canonpose/train/adam.h"
+#include "canonpose/train/augmentation.h"
 #include "canonpose/train/checkpoint.h"
+#include "canonpose/train/data_checks.h"
 #include "canonpose/train/losses.h"
 #include "canonpose/train/mirror.h"
 #include "canonpose/train/run_folder.h"
@@ -32,7 +33,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 /// What a generator is for, as its first stream number.
-enum Stream : std::uint64_t { kInitialisation = 1, kFrameOrder = 2, kPermutations = 3 };
+enum Stream : std::uint64_t { kInitialisation = 1, kFrameOrder = 2, kPermutations = 3, kAugmentation = 4 };
 
 constexpr const char* kPerspectiveName = "perspective";
 
@@ -50,7 +51,7 @@ class TrainingRun {
   TrainReport Finish();
 
  private:
-  [[nodiscard]] bool is_supervised() const { return options_.supervision == "truth"; }
+  [[nodiscard]] bool is_supervised() const { return options_.supervision != "none"; }
   [[nodiscard]] bool wants_perspective() const { return options_.perspective == "learned"; }
   [[nodiscard]] std::int64_t warmup_steps() const {
     return static_cast<std::int64_t>(options_.perspective_warmup * static_cast<double>(schedule_.steps()));
@@ -80,6 +81,7 @@ class TrainingRun {
   fs::path run_folder_;
   TrainingSplit split_;
   Schedule schedule_;
+  Augmentation augmentation_;
   int root_;
   torch::Device device_;
   Lifter lifter_;
@@ -102,23 +104,10 @@ std::vector<std::pair<std::string, torch::Tensor>> NamedParameters(const Lifter&
 }
 
 Lifter NewLifter(int joints, const TrainOptions& options, torch::Device device) {
-  Lifter lifter(joints, options.width);
+  Lifter lifter(joints, options.width, RotationFormNamed(options.rotation));
   lifter->Initialise(Rng(options.seed, {kInitialisation}).Bits());
   lifter->to(device);
   return lifter;
-}
-
-/// What training sees of a dataset, as text.
-std::string FingerprintOf(const Dataset& dataset, bool with_truth) {
-  std::string text = fmt::format("{:016x}", dataset.Fingerprint());
-  if (!with_truth) return text;
-  Fingerprint truth;
-  for (const Sequence& sequence : dataset.sequences) {
-    for (const CameraView& view : sequence.cameras) {
-      truth.Add(view.truth.data(), view.truth.size() * sizeof(float));
-    }
-  }
-  return fmt::format("{}-{:016x}", text, truth.value());
 }
 
 TrainingRun::TrainingRun(const TrainJob& job, TrainingSplit split)
@@ -126,6 +115,7 @@ TrainingRun::TrainingRun(const TrainJob& job, TrainingSplit split)
       run_folder_(job.run_folder),
       split_(std::move(split)),
       schedule_(MakeSchedule(options_, split_.training.frames.size())),
+      augmentation_(job.datasets, split_.training, options_),
       root_(job.datasets.front().skeleton.root),
       device_(options_.device == "cuda" ? torch::kCUDA : torch::kCPU),
       lifter_(NewLifter(split_.training.joint_count, options_, device_)),
@@ -136,12 +126,13 @@ TrainingRun::TrainingRun(const TrainJob& job, TrainingSplit split)
   info_.skeleton = job.datasets.front().skeleton;
   info_.source = job.datasets.front().source;
   info_.width = options_.width;
+  info_.rotation = options_.rotation;
+  info_.input = {options_.ray, options_.focal};
   info_.preset = options_.preset;
   info_.options = options_.ToJson(/*only_what_changes_results=*/true);
   info_.seed = options_.seed;
   info_.data_files = job.data_files;
-  for (const Dataset& dataset : job.datasets)
-    info_.data_fingerprints.push_back(FingerprintOf(dataset, /*with_truth=*/is_supervised()));
+  for (const Dataset& dataset : job.datasets) info_.data_fingerprints.push_back(FingerprintOf(dataset, options_));
 }
 
 Checkpoint TrainingRun::MakeCheckpoint() const {
@@ -213,7 +204,10 @@ std::vector<const TrainingFrame*> TrainingRun::BatchOf(std::int64_t step) {
 Losses TrainingRun::BatchLosses(std::int64_t step) {
   const std::vector<const TrainingFrame*> frames = BatchOf(step);
   if (is_supervised()) {
-    const BatchTensors batch = GatherBatch(split_.training, frames, device_);
+    Rng rng(options_.seed, {kAugmentation, static_cast<std::uint64_t>(step)});
+    const RowChange change = [&](int row, const TrainingRow& copy) { augmentation_.Change(row, rng, copy); };
+    const BatchTensors batch =
+        GatherBatch(split_.training, frames, device_, augmentation_.any() ? change : RowChange());
     return ComputeSupervisedLoss(lifter_->forward(LifterInput(batch)), batch, root_);
   }
   Rng permutations(options_.seed, {kPermutations, static_cast<std::uint64_t>(step)});
@@ -231,7 +225,7 @@ void TrainingRun::TakeStep() {
   if (!std::isfinite(total)) StopAtBadLoss(fmt::format("the loss became {} at step {}", total, step_ + 1));
   losses.total.backward();
 
-  const double factor = LearningRateFactor(epoch(), schedule_.epochs);
+  const double factor = LearningRateFactor(options_, schedule_, step_);
   adam_.Step(options_.learning_rate * factor);
   if (perspective_is_free_) {
     perspective_adam_.Step(options_.perspective_learning_rate);
@@ -286,7 +280,7 @@ void TrainingRun::Mirror() {
 
 void TrainingRun::DecideMirror() {
   if (is_supervised()) {
-    info_.mirror = {"known from the truth", 0.0, 0.0};
+    info_.mirror = {options_.supervision == "truth" ? "known from the truth" : "known from the solution", 0.0, 0.0};
     return;
   }
   const PerspectiveSlope slope = MeasurePerspectiveSlope(lifter_, split_.training, root_, device_);
@@ -350,7 +344,7 @@ void TrainingRun::EndEpoch() {
   Json line;
   line["epoch"] = epoch();
   line["step"] = step_;
-  line["learning_rate"] = options_.learning_rate * LearningRateFactor(epoch() - 1, schedule_.epochs);
+  line["learning_rate"] = options_.learning_rate * LearningRateFactor(options_, schedule_, step_ - 1);
   line["loss"] = sums_.total / steps;
   if (!is_supervised()) {
     line["reprojection"] = sums_.reprojection / steps;
@@ -419,7 +413,7 @@ void DescribeStart(const TrainingRun& run, const TrainOptions& options) {
       std::count(split.training.static_captures.begin(), split.training.static_captures.end(), std::uint8_t{0}));
   LogInfo("{} frames to train on, {} held out, {} left out ({})", split.training.frames.size(),
           split.validation.frames.size(), split.frames_left_out,
-          options.supervision == "truth" ? "no truth" : "seen by fewer than two cameras");
+          options.supervision == "none" ? "seen by fewer than two cameras" : "no 3D pose to learn from");
   LogInfo("preset {}, width {}, {} epochs of {} steps on {} ({} threads)", options.preset, options.width,
           schedule.epochs, schedule.steps_per_epoch, options.device, ThreadCount());
   if (options.epochs == 0 && schedule.epochs != options.default_epochs) {
@@ -430,24 +424,6 @@ void DescribeStart(const TrainingRun& run, const TrainOptions& options) {
     LogInfo("camera consistency is left out for {} of {} captures, whose cameras move", moving,
             split.training.static_captures.size());
   }
-}
-
-void CheckDatasets(const TrainJob& job) {
-  for (std::size_t i = 1; i < job.datasets.size(); ++i) {
-    if (job.datasets[i].skeleton.SameJoints(job.datasets[0].skeleton)) continue;
-    ThrowBadInput({job.data_files[i], "/skeleton", fmt::format("the joints of {}", job.data_files[0]),
-                   fmt::format("others ({})", fmt::join(job.datasets[i].skeleton.joints, ", ")),
-                   "import all data onto the same skeleton"});
-  }
-}
-
-void RequireTruth(const TrainJob& job) {
-  if (job.options.supervision != "truth") return;
-  if (std::any_of(job.datasets.begin(), job.datasets.end(), [](const Dataset& data) { return data.HasTruth(); }))
-    return;
-  ThrowBadInput({fmt::format("{}", fmt::join(job.data_files, ", ")), "",
-                 "truth, which the preset supervised learns from", "none",
-                 "simulate a capture, or train with another preset"});
 }
 
 }  // namespace
@@ -464,11 +440,8 @@ TrainReport Train(const TrainJob& job) {
   RequireDevice(job.options.device);
   SetThreadCount(job.options.threads);
   WarnAboutSlowLinearAlgebra();
-  CheckDatasets(job);
-  RequireTruth(job);
-  TrainingSplit split =
-      MakeTrainingSplit(job.datasets, job.options.validation,
-                        job.options.supervision == "truth" ? TrainingTarget::kTruth : TrainingTarget::kViews);
+  RequireSuitableData(job);
+  TrainingSplit split = MakeTrainingSplit(job.datasets, job.options.validation, RowFormOf(job.options));
   PrepareRunFolder(job.run_folder, job.resume, job.overwrite);
   TrainingRun run(job, std::move(split));
   if (!job.resume) {

@@ -1,23 +1,23 @@
 #include "canonpose/train/trainer.h"
 
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <sstream>
 #include <thread>
 
+#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include "canonpose/base/atomic_file.h"
-#include "canonpose/base/random.h"
 #include "canonpose/base/testing.h"
 #include "canonpose/model/tensors.h"
 #include "canonpose/train/checkpoint.h"
 #include "canonpose/train/losses.h"
 #include "canonpose/train/mirror.h"
+#include "canonpose/train/puppet_testing.h"
 #include "canonpose/train/training_set.h"
 
 namespace canonpose {
@@ -28,73 +28,9 @@ using testing::ErrorOf;
 using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
-constexpr int kJoints = 11;
-
-Skeleton Puppet() {
-  return {"",
-          {"pelvis", "left hip", "left knee", "left foot", "right hip", "right knee", "right foot", "chest", "head",
-           "left hand", "right hand"},
-          {-1, 0, 1, 2, 0, 4, 5, 0, 7, 7, 7},
-          0,
-          {0, 4, 5, 6, 1, 2, 3, 7, 8, 10, 9}};
-}
-
-/// Joint positions of a puppet that kicks, bends its knees and waves, in metres: x left, y down, z forward.
-std::array<std::array<double, 3>, kJoints> PuppetAt(double time) {
-  const auto leg = [](double side, double swing, double bend) {
-    return std::array<std::array<double, 3>, 3>{{{side, 0, 0},
-                                                 {side, 0.45 * std::cos(swing), 0.45 * std::sin(swing)},
-                                                 {side, 0.45 * std::cos(swing) + 0.45 * std::cos(swing - bend),
-                                                  0.45 * std::sin(swing) + 0.45 * std::sin(swing - bend)}}};
-  };
-  const auto left = leg(-0.15, 0.6 * std::sin(time), 0.5 + 0.5 * std::sin(1.3 * time));
-  const auto right = leg(0.15, 0.6 * std::sin(time + 3.1), 0.5 + 0.5 * std::sin(1.3 * time + 2.0));
-  const double left_arm = std::sin(0.7 * time);
-  const double right_arm = std::sin(0.9 * time + 1.0);
-  return {{{0, 0, 0},
-           left[0],
-           left[1],
-           left[2],
-           right[0],
-           right[1],
-           right[2],
-           {0, -0.5, 0.05 * std::sin(time)},
-           {0, -0.75, 0.1},
-           {-0.2 - 0.3 * std::abs(std::sin(left_arm)), -0.5 + 0.3 * std::cos(left_arm), 0.2 * std::sin(2 * left_arm)},
-           {0.2 + 0.3 * std::abs(std::sin(right_arm)), -0.5 + 0.3 * std::cos(right_arm), 0.25 * std::sin(right_arm)}}};
-}
-
-/// The puppet, turning this way and that, seen from 3.5 m by cameras around it at several heights.
-Dataset PuppetShow(int frames, int cameras, std::uint64_t seed = 1) {
-  constexpr double kTilts[] = {0.1, 0.5, 0.3, 0.0};
-  Rng rng(seed);
-  Dataset dataset;
-  dataset.skeleton = Puppet();
-  Sequence sequence{"show", "s", 30.0, true, "s", frames, {}};
-  for (int c = 0; c < cameras; ++c) {
-    CameraView view;
-    view.name = "cam" + std::to_string(c);
-    view.image_size = {1000, 1000};
-    const double tilt = kTilts[c % 4];
-    for (int t = 0; t < frames; ++t) {
-      const double time = 0.13 * t;
-      const double azimuth = 0.3 + 1.1 * c + 0.4 * std::sin(0.31 * time);
-      for (const auto& joint : PuppetAt(time)) {
-        const double x = std::cos(azimuth) * joint[0] + std::sin(azimuth) * joint[2];
-        const double level_z = -std::sin(azimuth) * joint[0] + std::cos(azimuth) * joint[2];
-        const double y = std::cos(tilt) * joint[1] - std::sin(tilt) * level_z;
-        const double z = 3.5 + std::sin(tilt) * joint[1] + std::cos(tilt) * level_z;
-        view.keypoints.push_back(static_cast<float>(500 + 800 * x / z + 0.3 * rng.Normal()));
-        view.keypoints.push_back(static_cast<float>(500 + 800 * y / z + 0.3 * rng.Normal()));
-        view.confidence.push_back(0.9F);
-        view.truth.insert(view.truth.end(), {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
-      }
-    }
-    sequence.cameras.push_back(view);
-  }
-  dataset.sequences.push_back(sequence);
-  return dataset;
-}
+using testing::CalibratedShow;
+using testing::kJoints;
+using testing::PuppetShow;
 
 /// Correlation of predicted with true depths relative to the root, over all joints, frames and views: near 1 for the
 /// right solution, near -1 for its mirror.
@@ -125,17 +61,7 @@ double DepthCorrelation(Lifter& lifter, const Dataset& dataset) {
 }
 
 TrainJob Job(const TemporaryFolder& folder, const std::string& name, const std::string& preset = "plus") {
-  TrainJob job;
-  job.datasets = {PuppetShow(40, 3)};
-  job.data_files = {"show.h5"};
-  job.options = PresetOptions(preset);
-  job.options.width = 16;
-  job.options.epochs = 20;
-  job.options.batch_frames = 8;
-  job.options.threads = 1;
-  job.options.seed = 3;
-  job.run_folder = folder / name;
-  return job;
+  return testing::PuppetJob(folder.path(), name, preset);
 }
 
 TEST(MakeTrainingSplit, HoldsOutTheEndOfEveryStretchAndLeavesOutLoneViews) {
@@ -173,9 +99,27 @@ TEST(Train, SameSeedSameBitsAndAnotherSeedOthers) {
   EXPECT_NE(ReadFile(folder / "a/model.cpm"), ReadFile(folder / "c/model.cpm"));
 }
 
-TEST(Train, InterruptedAndResumedGivesTheSameBitsAndMetrics) {
+/// Learns from the truth with everything that training on poses can do.
+TrainJob AugmentedJob(const TemporaryFolder& folder, const std::string& name) {
+  TrainJob job = Job(folder, name, "best");
+  job.datasets = {CalibratedShow(40, 3)};
+  job.options.supervision = "truth";
+  job.options.width = 16;
+  job.options.learning_rate = 1e-3;
+  job.options.rotation = "6d";
+  job.options.focal = "known";
+  job.options.schedule = "cosine";
+  return job;
+}
+
+class TrainInPieces : public ::testing::TestWithParam<bool> {};
+
+INSTANTIATE_TEST_SUITE_P(Train, TrainInPieces, ::testing::Values(false, true),
+                         [](const auto& is_augmented) { return is_augmented.param ? "augmented" : "plain"; });
+
+TEST_P(TrainInPieces, InterruptedAndResumedGivesTheSameBitsAndMetrics) {
   const TemporaryFolder folder;
-  TrainJob job = Job(folder, "whole");
+  TrainJob job = GetParam() ? AugmentedJob(folder, "whole") : Job(folder, "whole");
   job.options.epochs = 60;
   Train(job);
   job.run_folder = folder / "pieces";
@@ -270,6 +214,8 @@ TEST(Train, SupervisionWithoutTruthIsRefused) {
   TrainJob job = Job(folder, "run", "supervised");
   for (CameraView& view : job.datasets[0].sequences[0].cameras) view.truth.clear();
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("show.h5: expected truth"));
+  job.options.supervision = "solved";
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("run `canonpose solve` first"));
   job.options.perspective = "learned";
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { Train(job); }), HasSubstr("supervision"));
 }

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <map>
 
+#include <fmt/format.h>
+
 #include "canonpose/base/error.h"
-#include "canonpose/geometry/normalisation.h"
+#include "canonpose/model/pose_input.h"
 
 namespace canonpose {
 namespace {
@@ -39,64 +43,66 @@ class Numbering {
 
 class Builder {
  public:
-  Builder(TrainingSplit& split, int root, int clip_frames, TrainingTarget target)
-      : split_(split), root_(root), clip_frames_(clip_frames), target_(target) {}
+  Builder(TrainingSplit& split, const Skeleton& skeleton, int clip_frames, const RowForm& form)
+      : split_(split), root_(skeleton.root), clip_frames_(clip_frames), form_(form), input_(form.input, skeleton) {}
 
-  void Add(const Sequence& sequence, const std::string& dataset_key, double validation_share) {
-    const int capture = captures_((sequence.capture_is_named ? "" : dataset_key) + "/" + sequence.capture);
+  /// `source` says which dataset and sequence it is.
+  void Add(const Sequence& sequence, RowSource source, double validation_share) {
+    const std::string file_key = sequence.capture_is_named ? "" : fmt::format("{}", source.dataset);
+    const int capture = captures_(fmt::format("{}/{}", file_key, sequence.capture));
     Numbering& cameras = cameras_[capture];
     split_.training.static_captures.resize(std::max<std::size_t>(split_.training.static_captures.size(), capture + 1),
                                            1);
     if (!sequence.static_cameras) split_.training.static_captures[static_cast<std::size_t>(capture)] = 0;
     for (int t = 0; t < sequence.frame_count; ++t) {
       TrainingSet& set = IsHeldOut(t, sequence.frame_count, validation_share) ? split_.validation : split_.training;
-      AddFrame(sequence, t, {capture, clip_base_ + t / clip_frames_, {}}, cameras, set);
+      source.frame = t;
+      AddFrame(sequence, source, {capture, clip_base_ + t / clip_frames_, {}}, cameras, set);
     }
     clip_base_ += sequence.frame_count / clip_frames_ + 1;
   }
 
  private:
-  void AddFrame(const Sequence& sequence, int t, TrainingFrame frame, Numbering& cameras, TrainingSet& set) {
-    const int joints = set.joint_count;
-    const std::size_t first_row = set.confidence.size() / static_cast<std::size_t>(joints);
-    const bool with_truth = target_ == TrainingTarget::kTruth;
+  void AddFrame(const Sequence& sequence, RowSource source, TrainingFrame frame, Numbering& cameras, TrainingSet& set) {
+    const auto joints = static_cast<std::size_t>(set.joint_count);
+    const std::size_t first_row = set.confidence.size() / joints;
+    const bool with_target = form_.target != TrainingTarget::kViews;
     for (const CameraView& view : sequence.cameras) {
-      const std::size_t offset = static_cast<std::size_t>(t) * static_cast<std::size_t>(joints);
-      if (!NormalisePose(&view.keypoints[2 * offset], &view.confidence[offset], joints, root_, pose_)) continue;
-      if (with_truth && !AddTruth(view, offset, set)) continue;
+      if (!input_.Normalise(view, source.frame, pose_, turned_from_camera_)) continue;
+      if (with_target && !AddTarget(view, source.frame, set)) continue;
       frame.views.push_back({cameras(view.name), static_cast<int>(first_row + frame.views.size())});
       set.keypoints.insert(set.keypoints.end(), pose_.keypoints.begin(), pose_.keypoints.end());
       set.confidence.insert(set.confidence.end(), pose_.confidence.begin(), pose_.confidence.end());
+      source.camera = static_cast<int>(&view - sequence.cameras.data());
+      set.sources.push_back(source);
     }
-    if (frame.views.size() >= (with_truth ? 1U : 2U)) {
+    if (frame.views.size() >= (with_target ? 1U : 2U)) {
       set.frames.push_back(std::move(frame));
       return;
     }
     // One view has no other to be consistent with.
-    set.keypoints.resize(first_row * 2 * static_cast<std::size_t>(joints));
-    set.confidence.resize(first_row * static_cast<std::size_t>(joints));
+    set.keypoints.resize(first_row * 2 * joints);
+    set.confidence.resize(first_row * joints);
+    set.sources.resize(first_row);
     ++split_.frames_left_out;
   }
 
-  /// Appends the truth of a view; false where too little of it is known.
-  bool AddTruth(const CameraView& view, std::size_t offset, TrainingSet& set) const {
-    if (view.truth.empty()) return false;
+  /// Appends the target of a view; false where too little of it is known.
+  bool AddTarget(const CameraView& view, int t, TrainingSet& set) {
+    const std::vector<float>& poses = TargetPoses(view, form_.target);
+    if (poses.empty()) return false;
     const auto joints = static_cast<std::size_t>(set.joint_count);
-    const float* truth = &view.truth[3 * offset];
-    const float* root = &truth[3 * root_];
-    double squares = 0.0;
-    std::size_t known = 0;
+    const std::size_t offset = static_cast<std::size_t>(t) * joints;
+    target_.resize(3 * joints);
+    const std::optional<double> norm =
+        NormaliseTarget(&poses[3 * offset], set.joint_count, root_, turned_from_camera_, target_.data());
+    if (!norm) return false;
+    set.target.insert(set.target.end(), target_.begin(), target_.end());
+    if (!form_.uncertainty_weights) return true;
     for (std::size_t j = 0; j < joints; ++j) {
-      if (!std::isfinite(truth[3 * j])) continue;
-      ++known;
-      for (std::size_t c = 0; c < 3; ++c) squares += std::pow(truth[3 * j + c] - root[c], 2);
-    }
-    if (!std::isfinite(root[0]) || 2 * known < joints || !(squares > 0.0)) return false;
-    const double norm = std::sqrt(squares);
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (std::size_t j = 0; j < joints; ++j) {
-        set.truth.push_back(static_cast<float>((truth[3 * j + c] - root[c]) / norm));
-      }
+      set.target_weight.push_back(view.solved_uncertainty.empty()
+                                      ? std::numeric_limits<float>::quiet_NaN()
+                                      : static_cast<float>(view.solved_uncertainty[offset + j] / *norm));
     }
     return true;
   }
@@ -104,16 +110,69 @@ class Builder {
   TrainingSplit& split_;
   int root_;
   int clip_frames_;
-  TrainingTarget target_;
+  RowForm form_;
+  PoseInput input_;
   int clip_base_ = 0;
   Numbering captures_;
   std::map<int, Numbering> cameras_;
   NormalisedPose pose_;
+  Eigen::Matrix3d turned_from_camera_;
+  std::vector<float> target_;
 };
+
+/// Of uncertainties relative to the poses' sizes. A joint of unknown uncertainty counts as one of the median.
+void MakeWeights(std::vector<float>& uncertainties) {
+  std::vector<float> known;
+  std::copy_if(uncertainties.begin(), uncertainties.end(), std::back_inserter(known),
+               [](float value) { return std::isfinite(value); });
+  float median = 0.0F;
+  if (!known.empty()) {
+    const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+    std::nth_element(known.begin(), middle, known.end());
+    median = *middle;
+  }
+  for (float& value : uncertainties) {
+    const float ratio = median > 0.0F && std::isfinite(value) ? value / median : 1.0F;
+    value = 1.0F / (1.0F + ratio * ratio);
+  }
+}
 
 }  // namespace
 
-TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double validation_share, TrainingTarget target) {
+TrainingTarget TargetNamed(const std::string& supervision) {
+  if (supervision == "truth") return TrainingTarget::kTruth;
+  return supervision == "solved" ? TrainingTarget::kSolved : TrainingTarget::kViews;
+}
+
+const std::vector<float>& TargetPoses(const CameraView& view, TrainingTarget target) {
+  return target == TrainingTarget::kSolved ? view.solved : view.truth;
+}
+
+const std::vector<Camera>& TargetCameras(const CameraView& view, TrainingTarget target) {
+  return target == TrainingTarget::kSolved ? view.solved_calibration : view.calibration;
+}
+
+std::optional<double> NormaliseTarget(const float* pose, int joint_count, int root,
+                                      const Eigen::Matrix3d& turned_from_camera, float* target) {
+  const auto joint = [&](int j) { return Eigen::Vector3f(pose[3 * j], pose[3 * j + 1], pose[3 * j + 2]); };
+  const Eigen::Vector3f root_in_camera = joint(root);
+  double squares = 0.0;
+  int known = 0;
+  for (int j = 0; j < joint_count; ++j) {
+    const Eigen::Vector3d centred = (joint(j) - root_in_camera).cast<double>();
+    const Eigen::Vector3d turned = turned_from_camera * centred;
+    for (int axis = 0; axis < 3; ++axis) target[axis * joint_count + j] = static_cast<float>(turned[axis]);
+    if (!centred.allFinite()) continue;
+    ++known;
+    for (const double offset : centred) squares += offset * offset;
+  }
+  if (2 * known < joint_count || !(squares > 0.0)) return std::nullopt;
+  const double norm = std::sqrt(squares);
+  for (int i = 0; i < 3 * joint_count; ++i) target[i] = static_cast<float>(target[i] / norm);
+  return norm;
+}
+
+TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double validation_share, const RowForm& form) {
   CANONPOSE_CHECK(!datasets.empty());
   TrainingSplit split;
   const Skeleton& skeleton = datasets.front().skeleton;
@@ -122,15 +181,23 @@ TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double val
   for (const Dataset& dataset : datasets) {
     for (const Sequence& sequence : dataset.sequences) frames += sequence.frame_count;
   }
-  Builder builder(split, skeleton.root, std::clamp(frames / kClipsWanted, kShortestClip, kLongestClip), target);
+  Builder builder(split, skeleton, std::clamp(frames / kClipsWanted, kShortestClip, kLongestClip), form);
   for (std::size_t i = 0; i < datasets.size(); ++i) {
-    for (const Sequence& sequence : datasets[i].sequences) builder.Add(sequence, std::to_string(i), validation_share);
+    for (std::size_t s = 0; s < datasets[i].sequences.size(); ++s) {
+      builder.Add(datasets[i].sequences[s], {static_cast<int>(i), static_cast<int>(s), 0, 0}, validation_share);
+    }
   }
   split.validation.static_captures = split.training.static_captures;
-  if (split.training.frames.empty() && target == TrainingTarget::kTruth) {
+  split.validation.target_weight.clear();
+  MakeWeights(split.training.target_weight);
+  if (split.training.frames.empty() && form.target == TrainingTarget::kTruth) {
     ThrowComputation(
         "no frame has a true 3D pose to learn from: the preset supervised needs datasets with truth; the others do "
         "not");
+  }
+  if (split.training.frames.empty() && form.target == TrainingTarget::kSolved) {
+    ThrowComputation(
+        "no frame has a solved 3D pose and a 2D pose to learn from it: look at the output of `canonpose solve`");
   }
   if (split.training.frames.empty()) {
     ThrowComputation(

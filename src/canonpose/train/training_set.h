@@ -2,10 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "canonpose/data/dataset.h"
+#include "canonpose/model/model_file.h"
 
 namespace canonpose {
 
@@ -22,14 +26,23 @@ struct TrainingFrame {
   std::vector<TrainingView> views;
 };
 
+/// Where a row of a set comes from: indices into the datasets, their sequences and cameras, and the frame.
+struct RowSource {
+  int dataset = 0;
+  int sequence = 0;
+  int camera = 0;
+  int frame = 0;
+};
+
 /// N poses of J joints.
 struct TrainingSet {
   int joint_count = 0;
   std::vector<float> keypoints;   ///< (N, 2J) planar, normalised (geometry/normalisation.h)
   std::vector<float> confidence;  ///< (N, J)
-  /// (N, 3J) planar, in the camera's frame, centred on the root and of unit Frobenius norm; NaN where unknown. Empty
-  /// unless asked for.
-  std::vector<float> truth;
+  /// (N, 3J) planar 3D poses to learn, see NormaliseTarget(). Empty unless asked for.
+  std::vector<float> target;
+  std::vector<float> target_weight;  ///< (N, J) how much a joint of the target counts; empty: all the same
+  std::vector<RowSource> sources;    ///< (N)
   std::vector<TrainingFrame> frames;
   std::vector<std::uint8_t> static_captures;  ///< per capture: whether its cameras stand still
 
@@ -38,22 +51,52 @@ struct TrainingSet {
   }
 };
 
+/// A row of a set or a batch, to be changed in place: its J joints' values as above; null where the set has none.
+struct TrainingRow {
+  float* keypoints = nullptr;
+  float* confidence = nullptr;
+  float* target = nullptr;
+  float* target_weight = nullptr;
+};
+
 struct TrainingSplit {
   TrainingSet training;
   TrainingSet validation;
-  int frames_left_out = 0;  ///< seen by too few cameras: fewer than two, or none whose truth is known
+  int frames_left_out = 0;  ///< seen by too few cameras: fewer than two, or none whose target is known
 };
 
 /// What the network is to learn from.
 enum class TrainingTarget {
-  kViews,  ///< other views: frames seen by two cameras or more
-  kTruth,  ///< the true 3D poses: views whose truth has the root and at least half of the joints
+  kViews,   ///< other views: frames seen by two cameras or more
+  kTruth,   ///< the true 3D poses: views whose truth has the root and at least half of the joints
+  kSolved,  ///< likewise the 3D poses that `solve` found
+};
+
+/// Of "none", "truth" or "solved", as the option `supervision` has it.
+TrainingTarget TargetNamed(const std::string& supervision);
+
+/// The poses of a view that are to be learnt, (T, J, 3), and the cameras that belong to them; empty where there are
+/// none.
+const std::vector<float>& TargetPoses(const CameraView& view, TrainingTarget target);
+const std::vector<Camera>& TargetCameras(const CameraView& view, TrainingTarget target);
+
+/// What the network is to answer: a pose (J, 3), turned, centred on the root and of unit Frobenius norm over the joints
+/// that are known, planar; NaN where unknown. `target` is (3J). Returns the norm it was divided by, or nothing,
+/// `target` unspecified, where the root or more than half of the joints are unknown.
+std::optional<double> NormaliseTarget(const float* pose, int joint_count, int root,
+                                      const Eigen::Matrix3d& turned_from_camera, float* target);
+
+/// How MakeTrainingSplit() makes rows of views.
+struct RowForm {
+  TrainingTarget target = TrainingTarget::kViews;
+  InputForm input;  ///< the target is turned as the input is
+  bool uncertainty_weights = false;
 };
 
 /// The frames of all datasets, `validation_share` of them held out: the end of every 50 frames of a sequence. Sequences
-/// of one capture share their cameras by name, also across datasets where the capture is named in the file. Throws
-/// Error(kComputation) where no frame can be used.
+/// of one capture share their cameras by name, also across datasets where the capture is named in the file. Only the
+/// training set has target weights. Throws Error(kComputation) where no frame can be used.
 TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double validation_share,
-                                TrainingTarget target = TrainingTarget::kViews);
+                                const RowForm& form = {});
 
 }  // namespace canonpose

@@ -1,0 +1,94 @@
+#include "canonpose/train/data_checks.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "canonpose/base/error.h"
+#include "canonpose/base/hash.h"
+#include "canonpose/train/training_set.h"
+
+namespace canonpose {
+namespace {
+
+void AddValues(Fingerprint& fingerprint, const std::vector<float>& values) {
+  fingerprint.Add(values.data(), values.size() * sizeof(float));
+}
+
+void AddCameras(Fingerprint& fingerprint, const std::vector<Camera>& cameras) {
+  for (const Camera& camera : cameras) {
+    fingerprint.Add(camera.K.data(), sizeof(double) * 9);
+    fingerprint.Add(camera.camera_from_world_rotation.data(), sizeof(double) * 9);
+    fingerprint.Add(camera.camera_from_world_translation_mm.data(), sizeof(double) * 3);
+    fingerprint.Add(camera.distortion.data(), sizeof(double) * 4);
+  }
+}
+
+/// Whether any view of the datasets is such a one.
+template <typename Predicate>
+bool AnyView(const TrainJob& job, Predicate predicate) {
+  return std::any_of(job.datasets.begin(), job.datasets.end(), [&](const Dataset& dataset) {
+    return std::any_of(dataset.sequences.begin(), dataset.sequences.end(), [&](const Sequence& sequence) {
+      return std::any_of(sequence.cameras.begin(), sequence.cameras.end(), predicate);
+    });
+  });
+}
+
+void RequireTarget(const TrainJob& job) {
+  const TrainingTarget target = TargetNamed(job.options.supervision);
+  if (target == TrainingTarget::kViews) return;
+  const bool is_solved = target == TrainingTarget::kSolved;
+  const std::string files = fmt::format("{}", fmt::join(job.data_files, ", "));
+  const bool has_target = std::any_of(job.datasets.begin(), job.datasets.end(), [&](const Dataset& data) {
+    return is_solved ? data.HasSolved() : data.HasTruth();
+  });
+  if (!has_target && is_solved) {
+    ThrowBadInput(
+        {files, "", "solved 3D poses, which supervision=solved learns from", "none", "run `canonpose solve` first"});
+  }
+  if (!has_target) {
+    ThrowBadInput({files, "", "truth, which supervision=truth learns from", "none",
+                   "simulate a capture, or train with another preset"});
+  }
+  if (job.options.new_views > 0.0 && !AnyView(job, [&](const CameraView& view) {
+        return !TargetPoses(view, target).empty() && !TargetCameras(view, target).empty();
+      })) {
+    ThrowBadInput({files, "",
+                   fmt::format("{} cameras, which new views are made with", is_solved ? "solved" : "calibrated"),
+                   "none", "train with --set new_views=0"});
+  }
+}
+
+}  // namespace
+
+std::string FingerprintOf(const Dataset& dataset, const TrainOptions& options) {
+  std::string text = fmt::format("{:016x}", dataset.Fingerprint());
+  const TrainingTarget target = TargetNamed(options.supervision);
+  const bool sees_known_cameras = options.ray != "off" && options.focal == "known";
+  if (target == TrainingTarget::kViews && !sees_known_cameras) return text;
+  Fingerprint fingerprint;
+  for (const Sequence& sequence : dataset.sequences) {
+    for (const CameraView& view : sequence.cameras) {
+      if (target != TrainingTarget::kViews) AddValues(fingerprint, TargetPoses(view, target));
+      if (target == TrainingTarget::kSolved) AddValues(fingerprint, view.solved_uncertainty);
+      if (options.new_views > 0.0) AddCameras(fingerprint, TargetCameras(view, target));
+      if (!sees_known_cameras) continue;
+      AddCameras(fingerprint, view.solved_calibration);
+      AddCameras(fingerprint, view.calibration);
+    }
+  }
+  return fmt::format("{}-{:016x}", text, fingerprint.value());
+}
+
+void RequireSuitableData(const TrainJob& job) {
+  for (std::size_t i = 1; i < job.datasets.size(); ++i) {
+    if (job.datasets[i].skeleton.SameJoints(job.datasets[0].skeleton)) continue;
+    ThrowBadInput({job.data_files[i], "/skeleton", fmt::format("the joints of {}", job.data_files[0]),
+                   fmt::format("others ({})", fmt::join(job.datasets[i].skeleton.joints, ", ")),
+                   "import all data onto the same skeleton"});
+  }
+  RequireTarget(job);
+}
+
+}  // namespace canonpose

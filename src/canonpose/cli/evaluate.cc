@@ -71,13 +71,15 @@ void EvaluateDataset(const Dataset& dataset, const ReferencePoses& reference, co
   }
 }
 
-/// Evaluates datasets of the same joints one after the other. `check` throws where one does not suit.
+/// Evaluates datasets of the same joints one after the other. `check` throws where one does not suit; `with_cameras`:
+/// solved cameras are compared, too.
 EvaluationReport EvaluateDatasets(const Arguments& arguments, const std::vector<fs::path>& files,
                                   const std::function<void(const Dataset&, const fs::path&)>& check,
-                                  const Predictor& predict) {
+                                  const Predictor& predict, bool with_cameras) {
   std::optional<Evaluation> evaluation;
   Skeleton skeleton;
   ReferenceSummary summary;
+  CameraComparison cameras;
   for (const fs::path& file : files) {
     const Dataset dataset = ReadFrames(arguments, file);
     check(dataset, file);
@@ -91,9 +93,12 @@ EvaluationReport EvaluateDatasets(const Arguments& arguments, const std::vector<
     }
     const ReferencePoses reference(dataset, file.string());
     summary.Add(reference);
+    if (with_cameras) cameras.Add(dataset);
     EvaluateDataset(dataset, reference, files.size() > 1 ? file.stem().string() + "/" : "", predict, *evaluation);
   }
-  return evaluation->Finish(summary.Kind(), files.front().string());
+  EvaluationReport report = evaluation->Finish(summary.Kind(), files.front().string());
+  report.cameras = cameras.Medians();
+  return report;
 }
 
 EvaluationReport EvaluateModel(const Arguments& arguments) {
@@ -101,7 +106,8 @@ EvaluationReport EvaluateModel(const Arguments& arguments) {
   return EvaluateDatasets(
       arguments, {arguments.paths.begin() + 1, arguments.paths.end()},
       [&](const Dataset& dataset, const fs::path& file) { lifter.RequireSkeleton(dataset.skeleton, file.string()); },
-      [&](const CameraView& view, int frame_count) { return lifter.Lift(view, frame_count).pose_in_camera; });
+      [&](const CameraView& view, int frame_count) { return lifter.Lift(view, frame_count).pose_in_camera; },
+      /*with_cameras=*/false);
 }
 
 EvaluationReport EvaluateSolved(const Arguments& arguments) {
@@ -112,7 +118,7 @@ EvaluationReport EvaluateSolved(const Arguments& arguments) {
         ThrowBadInput(
             {file.string(), "", "solved poses, since no model was given", "none", "name a model before the data"});
       },
-      [](const CameraView& view, int) { return view.solved; });
+      [](const CameraView& view, int) { return view.solved; }, /*with_cameras=*/true);
 }
 
 EvaluationReport Evaluate(const Arguments& arguments) {

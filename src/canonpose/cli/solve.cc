@@ -4,11 +4,12 @@
 #include <memory>
 #include <string>
 
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
-#include "canonpose/base/progress.h"
+#include "canonpose/cli/bootstrap.h"
 #include "canonpose/cli/commands.h"
 #include "canonpose/data/dataset.h"
-#include "canonpose/lift/lifter.h"
 #include "canonpose/solve/solver.h"
 
 namespace canonpose {
@@ -19,24 +20,22 @@ namespace fs = std::filesystem;
 struct Arguments {
   fs::path data;
   fs::path output;
-  fs::path model;
+  fs::path json;
+  std::string frames;
+  BootstrapOptions bootstrap;
   SolveOptions options;
-  long seed = 0;
 };
 
 void RunSolve(const Arguments& arguments) {
+  arguments.options.Validate();
   Dataset dataset = ReadDataset(arguments.data);
-  const PoseLifter lifter = PoseLifter::Open(arguments.model);
-  lifter.RequireSkeleton(dataset.skeleton, arguments.data.string());
-  StartPoses start;
-  for (const Sequence& sequence : dataset.sequences) {
-    start.sequences.emplace_back();
-    for (const CameraView& view : sequence.cameras) {
-      start.sequences.back().push_back(lifter.Lift(view, sequence.frame_count).pose_in_camera);
-    }
-  }
+  if (!arguments.frames.empty()) KeepFrames(dataset, FrameRange::Parse(arguments.frames), arguments.data.string());
+  BootstrapOptions bootstrap = arguments.bootstrap;
+  bootstrap.threads = arguments.options.threads;
+  const StartPoses start = Bootstrap(dataset, arguments.data.string(), bootstrap);
   const SolveReport report = Solve(dataset, start, arguments.options);
   WriteDataset(arguments.output, dataset);
+  if (!arguments.json.empty()) WriteFileAtomically(arguments.json, report.ToJson());
   std::cout << report.ToText() << std::flush;
 }
 
@@ -44,12 +43,27 @@ void RunSolve(const Arguments& arguments) {
 
 void AddSolveCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("solve", "Find 3D poses and cameras of a recording from its keypoints alone");
-  command->add_option("data", arguments->data, "Dataset made by import")->required();
-  command->add_option("-o,--output", arguments->output, "Dataset to write, with `solved`")->required();
-  command->add_option("--model", arguments->model, "Trained lifter to start from")->required();
+  CLI::App* command =
+      app.add_subcommand("solve", "Find the 3D poses and the cameras of a recording from its keypoints alone");
+  command->add_option("data", arguments->data, "Dataset file made by import")->required();
+  command->add_option("-o,--output", arguments->output, "Dataset file to write: the data, with what was found")
+      ->required();
+  command->add_option("--model", arguments->bootstrap.model, "Run or model file of a lifter to start from");
+  command
+      ->add_option("--bootstrap", arguments->bootstrap.kind,
+                   "Without a model, start from: starter (a lifter trained once on simulated people, about a minute), "
+                   "method (trained on the data itself), or auto: the starter where it knows the joints")
+      ->check(CLI::IsMember({"auto", "starter", "method"}))
+      ->capture_default_str();
+  command
+      ->add_option("--mirror", arguments->options.mirror,
+                   "auto: decide by perspective; keep or flip: the start's poses as they are, or mirrored in depth")
+      ->capture_default_str();
+  command->add_option("--frames", arguments->frames, "Solve frames A-B of each sequence only, counted from 0");
+  command->add_option("--json", arguments->json, "Write the report to this file, too");
+  command->add_option("--device", arguments->bootstrap.device, "cpu or cuda")->capture_default_str();
   command->add_option("--threads", arguments->options.threads, "Number of threads (default: all)");
-  command->add_option("--seed", arguments->seed, "");
+  command->add_option("--seed", arguments->bootstrap.seed, "Seed of the lifter to start from")->capture_default_str();
   command->callback([arguments] { RunSolve(*arguments); });
 }
 

@@ -10,6 +10,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/progress.h"
+#include "canonpose/cli/best.h"
 #include "canonpose/cli/commands.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/train/trainer.h"
@@ -74,7 +75,7 @@ void RunTrain(const Arguments& arguments) {
     if (!arguments.frames.empty()) KeepFrames(job.datasets.back(), FrameRange::Parse(arguments.frames), path.string());
   }
 
-  const TrainReport report = Train(job);
+  const TrainReport report = job.options.preset == "best" ? TrainBest(job) : Train(job);
   if (report.interrupted_by != 0) {
     LogInfo("stopped and saved; to go on, run the same command with --resume");
     throw CLI::RuntimeError(128 + report.interrupted_by);

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/median.h"
 #include "canonpose/geometry/triangulation.h"
 
 namespace canonpose {
@@ -51,14 +52,6 @@ SequenceReference TriangulateSequence(const Sequence& sequence, std::size_t join
   return reference;
 }
 
-double MedianOf(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
-
 }  // namespace
 
 ReferencePoses::ReferencePoses(const Dataset& dataset, const std::string& file) {
@@ -93,7 +86,7 @@ ReferenceKind ReferenceSummary::Kind() const {
                                 : "triangulated from the calibration";
   if (reprojection_errors_px_.empty()) return kind;
   const double sum = std::accumulate(reprojection_errors_px_.begin(), reprojection_errors_px_.end(), 0.0);
-  kind.reprojection_px = {MedianOf(reprojection_errors_px_), sum / static_cast<double>(reprojection_errors_px_.size())};
+  kind.reprojection_px = {Median(reprojection_errors_px_), sum / static_cast<double>(reprojection_errors_px_.size())};
   return kind;
 }
 

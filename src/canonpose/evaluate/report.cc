@@ -52,6 +52,10 @@ std::string ReportAsJson(const EvaluationReport& report) {
   json["mirrored_percent"] = MirroredPercent(report);
   json["depth_extent_ratio"] = report.depth_extent_ratio;
   json["left_out_joints"] = report.left_out_joints;
+  if (report.cameras) {
+    json["cameras"] = {{"relative_rotation_deg", report.cameras->relative_rotation_deg},
+                       {"focal_percent", report.cameras->focal_percent}};
+  }
   json["per_sequence"] = Json::object();
   for (const auto& [name, errors] : report.per_sequence) json["per_sequence"][name] = ToJson(errors);
   json["per_joint"] = Json::object();
@@ -74,6 +78,10 @@ std::string ReportAsTable(const EvaluationReport& report) {
   if (2 * report.mirrored > report.metrics.poses)
     text += " (train again with --mirror flip, or keep where `info` says it was flipped)";
   text += fmt::format("\nDepth of the poses: {:.2f} times the truth's", report.depth_extent_ratio);
+  if (report.cameras) {
+    text += fmt::format("\nCameras: relative rotations {:.2f} degrees off, focal lengths {:.1f} % (medians)",
+                        report.cameras->relative_rotation_deg, report.cameras->focal_percent);
+  }
   text += fmt::format("\n\n  {:<24}{:>10}{:>10}{:>10}{:>10}{:>10}\n", "", "N-MPJPE", "PMPJPE", "PCK150", "AUC", "CPS");
   text += fmt::format("  {:<24}{:>10}{:>10}{:>10}{:>10}{:>10}\n", "", "mm", "mm", "%", "%", "0-300");
   const Metrics& all = report.metrics;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "canonpose/evaluate/cameras.h"
 #include "canonpose/evaluate/metrics.h"
 
 namespace canonpose {
@@ -41,12 +42,13 @@ struct EvaluationReport {
   double depth_extent_ratio = 0.0;           ///< root mean square depth of the poses, over that of the truth
   std::map<std::string, MeanErrors> per_sequence;
   std::vector<std::pair<std::string, MeanErrors>> per_joint;  ///< in the skeleton's order
+  std::optional<CameraErrors> cameras;                        ///< where solved cameras and a calibration are known
 };
 
 /// The contract's keys, and beside them `reference`, `reference_reprojection_error_px` {median, mean} where the
 /// reference was triangulated, `missing_predictions`, `unusable_truths`, `mirrored_percent`,
-/// `depth_extent_ratio` and `left_out_joints`. `frames` and `joints`
-/// are numbers.
+/// `depth_extent_ratio`, `left_out_joints` and, of solved cameras, `cameras` {relative_rotation_deg, focal_percent}.
+/// `frames` and `joints` are numbers.
 std::string ReportAsJson(const EvaluationReport& report);
 
 /// For the terminal; states the protocol in words, and a triangulated reference's own error.

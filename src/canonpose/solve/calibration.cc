@@ -7,7 +7,7 @@
 
 #include "canonpose/base/parallel.h"
 #include "canonpose/solve/initialisation.h"
-#include "canonpose/solve/median.h"
+#include "canonpose/base/median.h"
 #include "canonpose/solve/rotation_averaging.h"
 
 namespace canonpose {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "canonpose/solve/median.h"
+#include "canonpose/base/median.h"
 
 namespace canonpose {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <Eigen/LU>
 
-#include "canonpose/solve/median.h"
+#include "canonpose/base/median.h"
 
 namespace canonpose {
 namespace {

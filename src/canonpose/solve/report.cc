@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canonpose/solve/calibration.h"
-#include "canonpose/solve/median.h"
+#include "canonpose/base/median.h"
 
 namespace canonpose {
 namespace {

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "canonpose/geometry/alignment.h"
-#include "canonpose/solve/median.h"
+#include "canonpose/base/median.h"
 
 namespace canonpose {
 namespace {

@@ -26,6 +26,7 @@ void VisitFields(Options& o, Visit&& visit) {
   visit("weight_decay", o.weight_decay, true);
   visit("schedule", o.schedule, true);
   visit("supervision", o.supervision, true);
+  visit("bootstrap", o.bootstrap, true);
   visit("ray", o.ray, true);
   visit("focal", o.focal, true);
   visit("rotation", o.rotation, true);
@@ -114,6 +115,7 @@ void TrainOptions::Validate() const {
   require(checkpoint_seconds >= 0, "checkpoint_seconds", "0 or more", checkpoint_seconds);
   RequireOneOf("camera_consistency", camera_consistency, {"off", "static"});
   RequireOneOf("perspective", perspective, {"off", "learned"});
+  RequireOneOf("bootstrap", bootstrap, {"auto", "starter", "method"});
   RequireOneOf("mirror", mirror, {"auto", "keep", "flip"});
   require(new_views >= 0 && new_views <= 1, "new_views", "0 to 1", new_views);
   require(flips >= 0 && flips <= 1, "flips", "0 to 1", flips);

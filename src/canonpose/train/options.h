@@ -20,6 +20,9 @@ struct TrainOptions {
   double weight_decay = 1e-5;      ///< L2, added to the gradient
   std::string supervision = "none";  ///< none: the views alone; solved: the 3D poses that `solve` found from all views;
                                      ///< truth: the dataset's true ones, as a measure of what could be had
+  /// Of preset best, for data not solved yet: what they are solved from. starter: a lifter trained on simulated people;
+  /// method: one trained on the data by the method; auto: the starter where it knows the joints
+  std::string bootstrap = "auto";
   std::string ray = "off";  ///< root: the root's viewing ray is turned onto the optical axis (model/pose_input.h)
   std::string focal =
       "guess";  ///< for that, guess: from the image size; known: solved or calibrated where there is one

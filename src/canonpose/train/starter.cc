@@ -228,6 +228,7 @@ StarterRecipe StarterRecipe::Default() {
   static constexpr std::pair<const char*, const char*> kSettings[] = {
       {"width", "256"}, {"batch_frames", "128"}, {"learning_rate", "0.002"},
       {"epochs", "10"}, {"validation", "0"},     {"checkpoint_seconds", "1000000"},
+      {"ray", "root"},  {"schedule", "cosine"},  {"joint_dropout", "0.15"},
   };
   for (const auto& [name, value] : kSettings) recipe.training.Set(name, value);
   return recipe;

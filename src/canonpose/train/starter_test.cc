@@ -13,6 +13,7 @@
 #include "canonpose/base/testing.h"
 #include "canonpose/model/model_file.h"
 #include "canonpose/model/tensors.h"
+#include "canonpose/train/augmentation.h"
 #include "canonpose/train/losses.h"
 #include "canonpose/train/training_set.h"
 
@@ -208,7 +209,8 @@ TEST(Starter, LiftsUnknownJointsToNaNAndDoesNotLookAtThem) {
 /// Mean distance to the truth, in the unit of poses of norm 1, of a lifter's poses; of the mean pose without one.
 double ErrorOn(const Dataset& dataset, const ModelFile* model) {
   const torch::NoGradGuard no_grad;
-  const TrainingSplit split = MakeTrainingSplit({dataset}, 0.0, TrainingTarget::kTruth);
+  // The starter's viewing ray is on the optical axis, in and out; the mean pose is that of the same rows.
+  const TrainingSplit split = MakeTrainingSplit({dataset}, 0.0, RowFormOf(StarterRecipe::Default().training));
   std::vector<const TrainingFrame*> frames;
   for (const TrainingFrame& frame : split.training.frames) frames.push_back(&frame);
   const BatchTensors batch = GatherBatch(split.training, frames, torch::kCPU);
@@ -218,8 +220,8 @@ double ErrorOn(const Dataset& dataset, const ModelFile* model) {
         .total.item<double>();
   }
   LifterOutput mean;
-  mean.pose = batch.truth.mean(0, true).expand_as(batch.truth);
-  mean.rotation = torch::eye(3).expand({batch.truth.size(0), 3, 3});
+  mean.pose = batch.target.mean(0, true).expand_as(batch.target);
+  mean.rotation = torch::eye(3).expand({batch.target.size(0), 3, 3});
   return ComputeSupervisedLoss(mean, batch, root).total.item<double>();
 }
 

@@ -1,0 +1,28 @@
+// What self-calibration starts from: a lifter's poses of every view.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "canonpose/data/dataset.h"
+#include "canonpose/solve/observations.h"
+#include "canonpose/train/options.h"
+
+namespace canonpose {
+
+struct BootstrapOptions {
+  std::string kind = "auto";    ///< TrainOptions::bootstrap
+  std::filesystem::path model;  ///< a model or run to start from instead; empty: none
+  /// Where `method` trains; a run that was interrupted there goes on. Empty: a temporary folder.
+  std::filesystem::path run_folder;
+  std::uint64_t seed = 0;
+  int threads = 0;
+  std::string device = "cpu";
+};
+
+/// The poses that a lifter sees in each view of the dataset: the lifter named by the options, or a starter that was
+/// trained on simulated people (taken from the cache, or trained now), or, for other bodies than people's, one that is
+/// trained now on the dataset itself by the method. `file` is the dataset's name for messages. Throws Error.
+StartPoses Bootstrap(const Dataset& dataset, const std::string& file, const BootstrapOptions& options);
+
+}  // namespace canonpose

@@ -1,0 +1,56 @@
+#include "canonpose/evaluate/cameras.h"
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+namespace canonpose {
+namespace {
+
+Camera CameraOf(double focal_px, double turn_rad) {
+  Camera camera;
+  camera.K(0, 0) = camera.K(1, 1) = focal_px;
+  camera.camera_from_world_rotation = Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  return camera;
+}
+
+Dataset TwoCameras() {
+  Sequence sequence{"walk", "S1", 50.0, true, "room", 3, {}};
+  for (const double turn : {0.0, 1.0}) {
+    CameraView view;
+    view.calibration = {CameraOf(1000.0, turn)};
+    sequence.cameras.push_back(view);
+  }
+  Dataset dataset;
+  dataset.sequences = {sequence};
+  return dataset;
+}
+
+TEST(CameraComparisonTest, OnlyRelativeRotationsCount) {
+  Dataset dataset = TwoCameras();
+  const Eigen::Matrix3d other_world = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  for (CameraView& view : dataset.sequences[0].cameras) {
+    view.solved_calibration = {view.calibration[0]};
+    view.solved_calibration[0].camera_from_world_rotation *= other_world;
+  }
+  CameraComparison same;
+  same.Add(dataset);
+  ASSERT_TRUE(same.Medians());
+  EXPECT_NEAR(same.Medians()->relative_rotation_deg, 0.0, 1e-6);
+  EXPECT_NEAR(same.Medians()->focal_percent, 0.0, 1e-9);
+
+  dataset.sequences[0].cameras[1].solved_calibration = {CameraOf(1100.0, 1.0 + 0.1)};
+  dataset.sequences[0].cameras[0].solved_calibration = {CameraOf(1100.0, 0.0)};
+  CameraComparison off;
+  off.Add(dataset);
+  EXPECT_NEAR(off.Medians()->relative_rotation_deg, 0.1 * 180.0 / M_PI, 1e-6);
+  EXPECT_NEAR(off.Medians()->focal_percent, 10.0, 1e-9);
+}
+
+TEST(CameraComparisonTest, NothingToCompareIsNothing) {
+  CameraComparison comparison;
+  comparison.Add(TwoCameras());
+  EXPECT_FALSE(comparison.Medians());
+}
+
+}  // namespace
+}  // namespace canonpose

@@ -81,7 +81,7 @@ StartPoses Bootstrap(const Dataset& dataset, const std::string& file, const Boot
   if (options.kind == "method" || !knows) return BootstrapByMethod(dataset, file, options);
   StarterOptions starter;
   starter.seed = options.seed;
-  starter.threads = options.threads;
+  starter.threads = 1;  // its batches are small: more would be slower, and change the last bits
   starter.layout = dataset.source.layout;
   return LiftAll(PoseLifter::Open(StarterModel(dataset.skeleton, starter), options.device), dataset, file);
 }

@@ -196,6 +196,16 @@ void AdjustmentProblem::AddFocalPriors() {
                                 nullptr, &camera.log_focal);
     }
   }
+  if (!estimate_.static_cameras) return;
+  for (int v = 0; v < capture_.view_count(); ++v) {
+    for (int w = 0; w < v; ++w) {
+      CameraEstimate& a = estimate_.CameraAt(frames_.front(), v);
+      CameraEstimate& b = estimate_.CameraAt(frames_.front(), w);
+      if (!a.valid || !b.valid) continue;
+      problem_.AddResidualBlock(ZoomTerm::Create(1.0 / options_.scales.log_focal_between_cameras), nullptr,
+                                &a.log_focal, &b.log_focal);
+    }
+  }
 }
 
 void AdjustmentProblem::FixWhatIsKnown() {

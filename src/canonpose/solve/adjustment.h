@@ -28,9 +28,10 @@ struct AdjustmentScales {
   double bone = 0.03;                ///< relative
   std::vector<double> acceleration;  ///< (J) per frame^2; empty: no smoothness
   double turning_per_second = 1.0;
-  double turning_change_per_second2 = 1.75;
+  double turning_change_per_second2 = 0.6;
   double zoom_per_second = 0.1;  ///< change of the log focal length in one second, growing with the root of time
   double log_focal = 0.7;        ///< of the logarithm of the focal length
+  double log_focal_between_cameras = 0.1;  ///< static cameras of a capture are alike
   std::vector<double> expected_log_focal;  ///< (V); empty: 0, an image diagonal
 };
 

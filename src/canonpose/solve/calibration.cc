@@ -5,9 +5,9 @@
 #include <cmath>
 #include <functional>
 
+#include "canonpose/base/median.h"
 #include "canonpose/base/parallel.h"
 #include "canonpose/solve/initialisation.h"
-#include "canonpose/base/median.h"
 #include "canonpose/solve/rotation_averaging.h"
 
 namespace canonpose {
@@ -18,7 +18,7 @@ constexpr int kRotationFrames = 2000;
 /// Relative rotations of moving cameras are averaged over this long before and after.
 constexpr double kRotationSeconds = 0.5;
 /// Runs of consecutive frames that moving cameras are calibrated from.
-constexpr int kRuns = 4;
+constexpr int kRuns = 6;
 constexpr int kRunFrames = 50;
 
 /// `count` of `frames`, evenly spread.

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "canonpose/solve/calibration.h"
 #include "canonpose/base/median.h"
+#include "canonpose/solve/calibration.h"
 
 namespace canonpose {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <Eigen/Geometry>
 
-#include "canonpose/geometry/alignment.h"
 #include "canonpose/base/median.h"
+#include "canonpose/geometry/alignment.h"
 
 namespace canonpose {
 namespace {

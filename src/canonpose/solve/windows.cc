@@ -9,6 +9,8 @@
 namespace canonpose {
 namespace {
 
+constexpr double kWindowLogFocal = 0.1;
+
 /// Frames first .. last - 1 are kept of a window that reaches from `from` to `to` - 1.
 struct Window {
   int first;
@@ -51,6 +53,8 @@ void SolveWindows(const CaptureObservations& capture, int window_frames, int thr
   AdjustmentOptions options;
   options.scales = solution.scales;
   options.free_bones = false;
+  // A window alone tells little of perspective; calibration has told what there is to tell.
+  options.scales.log_focal = kWindowLogFocal;
   options.free_cameras = !capture.static_cameras;
   options.iterations = capture.static_cameras ? 5 : 20;
   const std::vector<Window> windows = MakeWindows(capture, window_frames, capture.static_cameras ? 8 : 15);

@@ -153,7 +153,7 @@ TEST(Program, UsageMistakesExitWithTwo) {
 TEST(Program, EveryCommandHasHelp) {
   EXPECT_EQ(Execute({"--help"}).exit_code, 0);
   EXPECT_EQ(Execute({"--version"}).exit_code, 0);
-  for (const char* command : {"import", "simulate", "train", "evaluate", "lift", "info"}) {
+  for (const char* command : {"import", "simulate", "train", "evaluate", "solve", "lift", "info"}) {
     const Outcome outcome = Execute({command, "--help"});
     EXPECT_EQ(outcome.exit_code, 0) << command;
     EXPECT_THAT(outcome.output, HasSubstr("--")) << command;
@@ -264,6 +264,46 @@ TEST(Program, SimulatedCaptureGoesTheWholeWay) {
     EXPECT_EQ(trained.exit_code, 0) << trained.errors;
     EXPECT_THAT(Execute({"evaluate", folder / preset, folder / "a.h5"}).output, HasSubstr("Depth of the poses"));
   }
+}
+
+TEST(Program, SolvesAndDistils) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> people = {"--subjects", "1",     "--activities", "gait,dance", "--seconds",
+                                           "6",          "--fps", "20",           "--seed",     "4"};
+  std::vector<std::string> simulate = {"simulate", "-o", folder / "a.h5"};
+  simulate.insert(simulate.end(), people.begin(), people.end());
+  ASSERT_EQ(Execute(simulate).exit_code, 0);
+  // A crude lifter to start from, quicker than a starter's minute.
+  ASSERT_EQ(Execute({"train", folder / "a.h5", "-o", folder / "start", "--preset", "supervised", "--width", "64",
+                     "--set", "min_steps=300", "--set", "learning_rate=0.002", "--epochs", "30", "--threads", "1"})
+                .exit_code,
+            0);
+  const auto solve = [&](const std::string& output, const std::string& threads) {
+    return Execute({"solve", folder / "a.h5", "-o", folder / output, "--model", folder / "start", "--json",
+                    folder / (output + ".json"), "--threads", threads});
+  };
+  const Outcome solved = solve("solved.h5", "1");
+  ASSERT_EQ(solved.exit_code, 0) << solved.errors;
+  EXPECT_THAT(solved.output, AllOf(HasSubstr("mirror"), HasSubstr("focal length")));
+  EXPECT_EQ(nlohmann::json::parse(ReadFile(folder / "solved.h5.json"))["captures"].size(), 1U);
+  ASSERT_EQ(solve("again.h5", "2").exit_code, 0);
+  EXPECT_EQ(ReadFile(folder / "solved.h5"), ReadFile(folder / "again.h5")) << "the number of threads changes nothing";
+
+  ASSERT_EQ(Execute({"evaluate", folder / "solved.h5", "--json", folder / "figures.json"}).exit_code, 0);
+  const auto figures = nlohmann::json::parse(ReadFile(folder / "figures.json"));
+  EXPECT_LT(figures["p_mpjpe_mm"].get<double>(), 30.0);
+  EXPECT_LT(figures["mirrored_percent"].get<double>(), 2.0);
+  EXPECT_LT(figures["cameras"]["relative_rotation_deg"].get<double>(), 4.0);
+
+  const std::vector<std::string> best = {
+      "train",         folder / "solved.h5", "-o", folder / "best", "--preset", "best",      "--set",
+      "min_steps=200", "--epochs",           "20", "--width",       "64",       "--threads", "1"};
+  const Outcome trained = Execute(best);
+  EXPECT_EQ(trained.exit_code, 0) << trained.errors;
+  EXPECT_EQ(Execute({"evaluate", folder / "best", folder / "a.h5"}).exit_code, 0);
+  EXPECT_EQ(Execute({"solve", folder / "a.h5", "-o", folder / "x.h5", "--mirror", "sideways"}).exit_code, 2);
+  EXPECT_EQ(Execute({"solve", folder / "none.h5", "-o", folder / "x.h5"}).exit_code, 3);
+  EXPECT_EQ(Execute({"solve", folder / "a.h5", "-o", folder / "x.h5", "--model", folder / "none"}).exit_code, 3);
 }
 
 TEST(Program, BadInputsOfSimulation) {

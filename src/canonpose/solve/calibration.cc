@@ -38,11 +38,11 @@ void AdjustTwice(const CaptureObservations& capture, std::span<const int> frames
   options.scales = solution.scales;
   options.scales.observation = MeasureNoise(capture, frames, solution.estimate);
   options.loss_scale = 3.0;
-  options.iterations = 15;
+  options.iterations = 10;
   Adjust(capture, frames, options, solution.estimate);
   options.scales.observation = MeasureNoise(capture, frames, solution.estimate);
   options.loss_scale = kLossScale;
-  options.iterations = 30;
+  options.iterations = capture.static_cameras ? 30 : 15;
   Adjust(capture, frames, options, solution.estimate);
   solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
 }

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include <dlfcn.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/base/log.h"
+#include "canonpose/base/median.h"
 #include "canonpose/base/parallel.h"
 #include "canonpose/base/progress.h"
 #include "canonpose/solve/calibration.h"
@@ -38,24 +39,43 @@ class OneLinearAlgebraThread {
   int before_ = 0;
 };
 
-Solution SolveCapture(const CaptureObservations& capture, const SolveOptions& options) {
-  const int threads = ThreadsToUse(options.threads);
-  const CalibrationOptions calibration{options.mirror, options.calibration_frames, threads};
-  if (!capture.static_cameras) {
-    Solution solution = CalibrateMoving(capture, calibration);
-    SolveWindows(capture, options.window_frames, threads, solution);
-    return solution;
+Solution Calibrate(const CaptureObservations& capture, const SolveOptions& options) {
+  const CalibrationOptions calibration{options.mirror, options.calibration_frames, ThreadsToUse(options.threads)};
+  return capture.static_cameras ? CalibrateStatic(capture, calibration) : CalibrateMoving(capture, calibration);
+}
+
+/// Captures of moving cameras are single clips: a subject's bones are known better from all of its clips together.
+void PoolBones(const std::vector<CaptureObservations>& captures, std::vector<Solution>& solutions) {
+  std::map<std::string, std::vector<std::vector<double>>> of_subject;  // (clips, J)
+  for (std::size_t c = 0; c < captures.size(); ++c) {
+    if (captures[c].static_cameras) continue;
+    of_subject[captures[c].subjects.front()].push_back(solutions[c].estimate.log_bone_lengths.front());
   }
-  Solution solution = CalibrateStatic(capture, calibration);
-  std::vector<int> frames(static_cast<std::size_t>(capture.frame_count));
-  std::iota(frames.begin(), frames.end(), 0);
-  for (const int frame : frames) {
-    TriangulateFrame(capture, frame, solution.scales, solution.mirrored, solution.estimate);
+  for (std::size_t c = 0; c < captures.size(); ++c) {
+    if (captures[c].static_cameras) continue;
+    const auto& clips = of_subject[captures[c].subjects.front()];
+    std::vector<double>& lengths = solutions[c].estimate.log_bone_lengths.front();
+    for (std::size_t j = 0; j < lengths.size(); ++j) {
+      std::vector<double> found;
+      for (const std::vector<double>& clip : clips) {
+        if (std::isfinite(clip[j])) found.push_back(clip[j]);
+      }
+      lengths[j] = Median(std::move(found));
+    }
   }
-  solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
-  solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
-  SolveWindows(capture, options.window_frames, threads, solution);
-  return solution;
+}
+
+void SolveAllFrames(const CaptureObservations& capture, const SolveOptions& options, Solution& solution) {
+  if (capture.static_cameras) {
+    std::vector<int> frames(static_cast<std::size_t>(capture.frame_count));
+    std::iota(frames.begin(), frames.end(), 0);
+    for (const int frame : frames) {
+      TriangulateFrame(capture, frame, solution.scales, solution.mirrored, solution.estimate);
+    }
+    solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+    solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
+  }
+  SolveWindows(capture, options.window_frames, ThreadsToUse(options.threads), solution);
 }
 
 Camera CameraOf(const CaptureObservations& capture, const RigEstimate& estimate, int frame, int view) {
@@ -150,12 +170,20 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
   }
   const std::vector<CaptureObservations> captures = CollectCaptures(dataset, start);
   SolveReport report;
-  Progress progress("solve", static_cast<long>(captures.size()));
+  Progress progress("solve", static_cast<long>(2 * captures.size()));
+  long done = 0;
+  std::vector<Solution> solutions;
   for (const CaptureObservations& capture : captures) {
-    progress.Update(static_cast<long>(report.captures.size()), capture.name);
-    const Solution solution = SolveCapture(capture, options);
-    WriteSolution(capture, solution, dataset);
-    report.captures.push_back(MakeReport(capture, solution, options.mirror));
+    progress.Update(done++, capture.name + ", cameras");
+    solutions.push_back(Calibrate(capture, options));
+  }
+  PoolBones(captures, solutions);
+  for (std::size_t c = 0; c < captures.size(); ++c) {
+    progress.Update(done++, captures[c].name + ", all frames");
+    SolveAllFrames(captures[c], options, solutions[c]);
+    WriteSolution(captures[c], solutions[c], dataset);
+    report.captures.push_back(MakeReport(captures[c], solutions[c], options.mirror));
+    solutions[c].estimate = {};
   }
   return report;
 }

@@ -19,11 +19,18 @@ struct TrainOptions {
   double weight_decay = 1e-5;   ///< L2, added to the gradient
   std::string supervision =
       "none";  ///< none: the views alone; truth: the dataset's 3D poses, as a measure of what could be had
-  double view_weight = 1.0;                 ///< weight of view consistency
-  double camera_weight = 0.1;               ///< weight of camera consistency
-  std::string camera_consistency = "off";   ///< off; static: for captures whose cameras stand still
-  std::string perspective = "off";          ///< off: weak perspective as published; learned: one factor k, learned
-  double perspective_warmup = 0.3;          ///< share of the steps before k is set free
+  double view_weight = 1.0;    ///< weight of view consistency
+  double camera_weight = 0.1;  ///< weight of camera consistency
+  /// off; static: for captures whose cameras stand still; window: for all, among frames of a sequence that are not far
+  /// apart, while which even moving cameras turn little
+  std::string camera_consistency = "off";
+  double camera_window_seconds = 3.0;  ///< window: its length at first, in seconds
+  double camera_window_end = 0.5;      ///< share of the steps by which its length and its weight have fallen to zero
+  double rotation_spread = 1.0;        ///< the rotation layer's initial weights are multiplied by it
+  int restarts = 1;                    ///< short runs from different seeds, of which the best is gone on with
+  int restart_steps = 500;             ///< length of each of them
+  std::string perspective = "off";     ///< off: weak perspective as published; learned: one factor k, learned
+  double perspective_warmup = 0.3;     ///< share of the steps before k is set free
   double perspective_learning_rate = 0.01;  ///< of k alone
   std::string mirror = "auto";              ///< auto: by the perspective slope; keep, flip: by request
   double validation = 0.1;                  ///< share of the frames held out, at the end of every 50

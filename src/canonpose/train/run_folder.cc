@@ -33,13 +33,17 @@ void PrepareRunFolder(const fs::path& folder, bool resume, bool overwrite) {
   }
 }
 
-void DropLaterMetrics(const fs::path& path, std::int64_t step) {
+void DropLaterMetrics(const fs::path& path, std::int64_t step, int restarts_finished) {
   if (!fs::exists(path)) return;
   std::istringstream lines(ReadFile(path));
   std::string kept;
   for (std::string line; std::getline(lines, line);) {
     const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
-    if (json.is_object() && json.value("step", std::int64_t{0}) <= step && json.contains("step")) kept += line + "\n";
+    if (!json.is_object()) continue;
+    const bool is_before = json.contains("restart")
+                               ? json.value("restart", 0) < restarts_finished
+                               : json.contains("step") && json.value("step", std::int64_t{0}) <= step;
+    if (is_before) kept += line + "\n";
   }
   WriteFileAtomically(path, kept);
 }

@@ -10,7 +10,8 @@ namespace canonpose {
 /// `resume` nor `overwrite` says what to do with it.
 void PrepareRunFolder(const std::filesystem::path& folder, bool resume, bool overwrite);
 
-/// Removes the lines of metrics.jsonl that lie after a checkpoint's step: they will be written again.
-void DropLaterMetrics(const std::filesystem::path& path, std::int64_t step);
+/// Removes the lines of metrics.jsonl that lie after a checkpoint's step and those of restarts that were not finished
+/// then: they will be written again.
+void DropLaterMetrics(const std::filesystem::path& path, std::int64_t step, int restarts_finished);
 
 }  // namespace canonpose

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,12 +19,16 @@
 #include "canonpose/model/runtime.h"
 #include "canonpose/model/tensors.h"
 #include "canonpose/train/adam.h"
+#include "canonpose/train/batch_order.h"
 #include "canonpose/train/checkpoint.h"
 #include "canonpose/train/losses.h"
 #include "canonpose/train/mirror.h"
+#include "canonpose/train/optimiser_state.h"
+#include "canonpose/train/restarts.h"
 #include "canonpose/train/run_folder.h"
 #include "canonpose/train/schedule.h"
 #include "canonpose/train/training_set.h"
+#include "canonpose/train/trap.h"
 
 namespace canonpose {
 namespace {
@@ -35,6 +40,11 @@ using Json = nlohmann::ordered_json;
 enum Stream : std::uint64_t { kInitialisation = 1, kFrameOrder = 2, kPermutations = 3 };
 
 constexpr const char* kPerspectiveName = "perspective";
+
+/// Frames of a window that a batch holds together.
+constexpr int kRunFrames = 8;
+/// Frames that restarts are compared on.
+constexpr std::size_t kComparedFrames = 2000;
 
 /// The state of a run and the steps of its life; Train() below is the plot.
 class TrainingRun {
@@ -51,6 +61,27 @@ class TrainingRun {
 
  private:
   [[nodiscard]] bool is_supervised() const { return options_.supervision == "truth"; }
+  [[nodiscard]] bool is_restarting() const {
+    return options_.restarts > 1 && restarts_.losses.size() < static_cast<std::size_t>(options_.restarts);
+  }
+  [[nodiscard]] std::int64_t restart_steps() const {
+    return std::min<std::int64_t>(options_.restart_steps, schedule_.steps());
+  }
+  /// With those of restarts that were not chosen.
+  [[nodiscard]] std::int64_t steps_in_all() const {
+    return schedule_.steps() + (options_.restarts - 1) * restart_steps();
+  }
+  [[nodiscard]] std::int64_t steps_done() const {
+    return step_ + (is_restarting() ? restarts_.running : options_.restarts - 1) * restart_steps();
+  }
+  /// Seed of what is running: that of a restart where there are several.
+  [[nodiscard]] std::uint64_t seed() const { return RestartSeed(options_.seed, restarts_.running); }
+  /// What is left of the window of camera consistency, of its length and its weight, at a step: 1 to 0.
+  [[nodiscard]] double WindowLeft(std::int64_t step) const {
+    if (options_.camera_consistency != "window") return 0.0;
+    return std::max(
+        0.0, 1.0 - static_cast<double>(step) / (options_.camera_window_end * static_cast<double>(schedule_.steps())));
+  }
   [[nodiscard]] bool wants_perspective() const { return options_.perspective == "learned"; }
   [[nodiscard]] std::int64_t warmup_steps() const {
     return static_cast<std::int64_t>(options_.perspective_warmup * static_cast<double>(schedule_.steps()));
@@ -62,14 +93,23 @@ class TrainingRun {
     return perspective_is_free_ ? perspective_ : torch::Tensor();
   }
 
-  std::vector<const TrainingFrame*> BatchOf(std::int64_t step);
+  struct Batch {
+    std::vector<const TrainingFrame*> frames;
+    std::vector<std::int64_t> windows;  ///< of `frames`, where camera consistency is kept within windows
+  };
+  Batch BatchOf(std::int64_t step);
   void TakeStep();
   Losses BatchLosses(std::int64_t step);
   void RequireSoundness();
   [[noreturn]] void StopAtBadLoss(const std::string& what);
+  void StartAfresh();
+  void EndRestart();
+  void RestoreState(const Checkpoint& checkpoint);
   void EndEpoch();
   [[nodiscard]] std::string DescribeLoss() const;
+  Losses MeanLosses(const TrainingSet& set, std::size_t stride);
   std::optional<double> ValidationLoss();
+  void LookForTrap();
   void DecideMirror();
   void Mirror();
   void FreePerspectiveIfDecided();
@@ -91,7 +131,8 @@ class TrainingRun {
   EpochSums sums_;
   std::int64_t step_ = 0;
   int order_epoch_ = -1;
-  std::vector<std::size_t> order_;
+  EpochOrder order_;
+  RestartState restarts_;
   std::chrono::steady_clock::time_point epoch_start_ = std::chrono::steady_clock::now();
 };
 
@@ -101,9 +142,14 @@ std::vector<std::pair<std::string, torch::Tensor>> NamedParameters(const Lifter&
   return parameters;
 }
 
+void InitialiseLifter(Lifter& lifter, const TrainOptions& options, std::uint64_t seed) {
+  lifter->Initialise(Rng(seed, {kInitialisation}).Bits());
+  if (options.rotation_spread != 1.0) lifter->ScaleRotations(options.rotation_spread);
+}
+
 Lifter NewLifter(int joints, const TrainOptions& options, torch::Device device) {
   Lifter lifter(joints, options.width);
-  lifter->Initialise(Rng(options.seed, {kInitialisation}).Bits());
+  InitialiseLifter(lifter, options, options.seed);
   lifter->to(device);
   return lifter;
 }
@@ -145,83 +191,74 @@ TrainingRun::TrainingRun(const TrainJob& job, TrainingSplit split)
 }
 
 Checkpoint TrainingRun::MakeCheckpoint() const {
-  Checkpoint checkpoint{info_, sums_, perspective_adam_.step_count(), {}, {}, {}};
+  Checkpoint checkpoint{info_, sums_, perspective_adam_.step_count(), {}, {}, {}, {}};
   checkpoint.info.steps = step_;
   checkpoint.info.perspective = perspective_.item<double>();
-  for (const Adam* adam : {&adam_, &perspective_adam_}) {
-    for (const Adam::Parameter& parameter : adam->parameters()) {
-      checkpoint.parameters[parameter.name] = ToArray(parameter.value);
-      checkpoint.first_moments[parameter.name] = ToArray(parameter.first_moment);
-      checkpoint.second_moments[parameter.name] = ToArray(parameter.second_moment);
-    }
-  }
+  for (const Adam* adam : {&adam_, &perspective_adam_}) StoreOptimiser(*adam, checkpoint);
   return checkpoint;
 }
 
 void TrainingRun::Save() {
   RequireSoundness();
-  WriteCheckpoint(File("checkpoint.h5"), MakeCheckpoint());
+  Checkpoint checkpoint = MakeCheckpoint();
+  checkpoint.restarts = restarts_;
+  WriteCheckpoint(File("checkpoint.h5"), checkpoint);
 }
 
 void TrainingRun::Restore(const Checkpoint& checkpoint) {
-  const torch::NoGradGuard no_grad;
   const std::string file = File("checkpoint.h5").string();
   if (checkpoint.info.data_fingerprints != info_.data_fingerprints) {
     ThrowBadInput({file, "data fingerprints", fmt::format("{}", fmt::join(checkpoint.info.data_fingerprints, " ")),
                    fmt::format("{}", fmt::join(info_.data_fingerprints, " ")),
                    "resume with the data the run was started with, or train into another folder"});
   }
+  restarts_ = checkpoint.restarts;
+  RestoreState(checkpoint);
+}
+
+void TrainingRun::RestoreState(const Checkpoint& checkpoint) {
+  const std::string file = File("checkpoint.h5").string();
   LoadParameters(lifter_, checkpoint.parameters, file);
-  for (Adam* adam : {&adam_, &perspective_adam_}) {
-    for (Adam::Parameter& parameter : adam->parameters()) {
-      const auto restore = [&](const NamedArrays& arrays, torch::Tensor& tensor) {
-        const auto found = arrays.find(parameter.name);
-        if (found == arrays.end() || static_cast<std::int64_t>(found->second.values.size()) != tensor.numel()) {
-          ThrowBadInput(
-              {file, parameter.name, "the optimiser's state", "none that fits", "the file is damaged: train again"});
-        }
-        tensor.copy_(ToTensor(found->second).view(tensor.sizes()));
-      };
-      restore(checkpoint.parameters, parameter.value);
-      restore(checkpoint.first_moments, parameter.first_moment);
-      restore(checkpoint.second_moments, parameter.second_moment);
-    }
-  }
+  for (Adam* adam : {&adam_, &perspective_adam_}) RestoreOptimiser(checkpoint, file, *adam);
   step_ = checkpoint.info.steps;
   adam_.set_step_count(step_);
   perspective_adam_.set_step_count(checkpoint.perspective_steps);
   info_.mirror = checkpoint.info.mirror;
   sums_ = checkpoint.sums;
+  order_epoch_ = -1;
+  perspective_is_free_ = false;
   if (step_ > warmup_steps()) FreePerspectiveIfDecided();
 }
 
-std::vector<const TrainingFrame*> TrainingRun::BatchOf(std::int64_t step) {
+TrainingRun::Batch TrainingRun::BatchOf(std::int64_t step) {
   if (order_epoch_ != epoch_of(step)) {
     order_epoch_ = epoch_of(step);
-    order_ = Rng(options_.seed, {kFrameOrder, static_cast<std::uint64_t>(order_epoch_)})
-                 .Permutation(split_.training.frames.size());
+    Rng rng(seed(), {kFrameOrder, static_cast<std::uint64_t>(order_epoch_)});
+    const double left = WindowLeft(order_epoch_ * schedule_.steps_per_epoch);
+    order_ = left > 0.0 ? WindowedOrder(split_.training, left * options_.camera_window_seconds, kRunFrames, rng)
+                        : ShuffledOrder(split_.training.frames.size(), rng);
   }
-  const auto batch = static_cast<std::size_t>(options_.batch_frames);
-  const std::size_t first = static_cast<std::size_t>(step % schedule_.steps_per_epoch) * batch;
-  std::vector<const TrainingFrame*> frames;
-  for (std::size_t i = first; i < std::min(first + batch, order_.size()); ++i) {
-    frames.push_back(&split_.training.frames[order_[i]]);
+  const auto count = static_cast<std::size_t>(options_.batch_frames);
+  const std::size_t first = static_cast<std::size_t>(step % schedule_.steps_per_epoch) * count;
+  Batch batch;
+  for (std::size_t i = first; i < std::min(first + count, order_.frames.size()); ++i) {
+    batch.frames.push_back(&split_.training.frames[order_.frames[i]]);
+    if (!order_.windows.empty()) batch.windows.push_back(order_.windows[i]);
   }
-  return frames;
+  return batch;
 }
 
 Losses TrainingRun::BatchLosses(std::int64_t step) {
-  const std::vector<const TrainingFrame*> frames = BatchOf(step);
-  if (is_supervised()) {
-    const BatchTensors batch = GatherBatch(split_.training, frames, device_);
-    return ComputeSupervisedLoss(lifter_->forward(LifterInput(batch)), batch, root_);
-  }
-  Rng permutations(options_.seed, {kPermutations, static_cast<std::uint64_t>(step)});
-  const BatchPairs pairs =
-      MakeBatchPairs(frames, split_.training.static_captures, options_.camera_consistency == "static",
-                     [&](std::size_t count) { return permutations.Permutation(count); });
+  const auto [frames, windows] = BatchOf(step);
   const BatchTensors batch = GatherBatch(split_.training, frames, device_);
-  const LossWeights weights{1.0, options_.view_weight, options_.camera_weight};
+  if (is_supervised()) return ComputeSupervisedLoss(lifter_->forward(LifterInput(batch)), batch, root_);
+  Rng permutations(seed(), {kPermutations, static_cast<std::uint64_t>(step)});
+  const bool is_static = options_.camera_consistency == "static";
+  const double left = is_static ? 1.0 : WindowLeft(step);
+  const BatchPairs pairs = MakeBatchPairs(
+      frames, split_.training.static_captures, is_static || (left > 0.0 && !windows.empty()),
+      [&](std::size_t count) { return permutations.Permutation(count); }, windows);
+  const LossWeights weights{1.0, options_.view_weight, options_.camera_weight * left};
   return ComputeLosses(lifter_->forward(LifterInput(batch)), batch, pairs, weights, PerspectiveInLosses(), root_);
 }
 
@@ -324,28 +361,77 @@ void TrainingRun::DecideMirror() {
   LogInfo("mirror: {} ({}, {:.1f} standard errors; negative is right)", what, slope.Describe(), slope.sureness());
 }
 
-std::optional<double> TrainingRun::ValidationLoss() {
-  const TrainingSet& set = split_.validation;
-  if (set.frames.empty()) return std::nullopt;
+/// Over every `stride`-th frame of a set, without camera consistency.
+Losses TrainingRun::MeanLosses(const TrainingSet& set, std::size_t stride) {
   const torch::NoGradGuard no_grad;
   constexpr std::size_t kChunk = 512;
-  double sum = 0.0;
-  for (std::size_t first = 0; first < set.frames.size(); first += kChunk) {
-    std::vector<const TrainingFrame*> frames;
-    for (std::size_t n = first; n < std::min(first + kChunk, set.frames.size()); ++n) frames.push_back(&set.frames[n]);
+  Losses mean;
+  double count = 0.0;
+  std::vector<const TrainingFrame*> frames;
+  for (std::size_t n = 0; n < set.frames.size(); n += stride) {
+    frames.push_back(&set.frames[n]);
+    if (frames.size() < kChunk && n + stride < set.frames.size()) continue;
     const BatchTensors batch = GatherBatch(set, frames, device_);
     const LifterOutput output = lifter_->forward(LifterInput(batch));
     const Losses losses =
         is_supervised() ? ComputeSupervisedLoss(output, batch, root_)
                         : ComputeLosses(output, batch, MakeBatchPairs(frames, set.static_captures, false, nullptr),
                                         {1.0, options_.view_weight, 0.0}, PerspectiveInLosses(), root_);
-    sum += losses.total.item<double>() * static_cast<double>(frames.size());
+    const auto share = static_cast<double>(frames.size());
+    for (torch::Tensor Losses::*const loss : {&Losses::reprojection, &Losses::view, &Losses::total}) {
+      const torch::Tensor part = (losses.*loss).to(torch::kFloat64) * share;
+      mean.*loss = (mean.*loss).defined() ? mean.*loss + part : part;
+    }
+    count += share;
+    frames.clear();
   }
-  return sum / static_cast<double>(set.frames.size());
+  for (torch::Tensor Losses::*const loss : {&Losses::reprojection, &Losses::view, &Losses::total}) mean.*loss /= count;
+  return mean;
+}
+
+std::optional<double> TrainingRun::ValidationLoss() {
+  if (split_.validation.frames.empty()) return std::nullopt;
+  return MeanLosses(split_.validation, 1).total.item<double>();
+}
+
+void TrainingRun::StartAfresh() {
+  InitialiseLifter(lifter_, options_, seed());
+  perspective_.detach().zero_();
+  for (Adam* adam : {&adam_, &perspective_adam_}) ResetOptimiser(*adam);
+  perspective_is_free_ = false;
+  info_.mirror = {};
+  sums_ = {};
+  step_ = 0;
+  order_epoch_ = -1;
+}
+
+void TrainingRun::EndRestart() {
+  RequireSoundness();
+  const double loss =
+      MeanLosses(split_.training, split_.training.frames.size() / kComparedFrames + 1).view.item<double>();
+  AppendLine(File("metrics.jsonl"), Json{{"restart", restarts_.running}, {"seed", seed()}, {"view", loss}}.dump());
+  LogInfo("restart {} of {}: loss of view mixing {:.4f}", restarts_.running + 1, options_.restarts, loss);
+  restarts_.losses.push_back(loss);
+  if (BestRestart(restarts_.losses) == restarts_.running) {
+    restarts_.best = std::make_shared<const Checkpoint>(MakeCheckpoint());
+  }
+  if (is_restarting()) {
+    ++restarts_.running;
+    StartAfresh();
+    return;
+  }
+  restarts_.running = BestRestart(restarts_.losses);
+  RestoreState(*std::exchange(restarts_.best, nullptr));
+  LogInfo("going on with restart {}", restarts_.running + 1);
 }
 
 void TrainingRun::EndEpoch() {
   const auto now = std::chrono::steady_clock::now();
+  if (is_restarting()) {  // these epochs are not the run's unless it is chosen, and it has the like to come
+    epoch_start_ = now;
+    sums_ = {};
+    return;
+  }
   const auto steps = static_cast<double>(std::max<std::int64_t>(1, sums_.steps));
   Json line;
   line["epoch"] = epoch();
@@ -378,7 +464,7 @@ std::string TrainingRun::DescribeLoss() const {
 int TrainingRun::Run() {
   using Clock = std::chrono::steady_clock;
   const InterruptGuard interrupt;
-  Progress progress("step", schedule_.steps(), step_);
+  Progress progress("step", steps_in_all(), steps_done());
   Clock::time_point last_save = Clock::now();
   while (step_ < schedule_.steps()) {
     if (wants_perspective() && step_ == warmup_steps()) {
@@ -387,9 +473,10 @@ int TrainingRun::Run() {
     }
     TakeStep();
     if (progress.IsDue()) {
-      progress.Update(step_, DescribeLoss());
+      progress.Update(steps_done(), DescribeLoss());
     }
     if (step_ % schedule_.steps_per_epoch == 0) EndEpoch();
+    if (is_restarting() && step_ == restart_steps()) EndRestart();
     const bool is_due = std::chrono::duration<double>(Clock::now() - last_save).count() >= options_.checkpoint_seconds;
     if (is_due || interrupt.signal() != 0 || step_ == schedule_.steps()) {
       Save();
@@ -405,11 +492,21 @@ TrainReport TrainingRun::Finish() {
   DecideMirror();
   TrainReport report;
   report.validation_loss = ValidationLoss();
+  LookForTrap();
   info_.steps = step_;
   info_.perspective = perspective_.item<double>();
   WriteModelFile(File("model.cpm"), {info_, ParametersOf(lifter_)});
   report.model = info_;
   return report;
+}
+
+void TrainingRun::LookForTrap() {
+  if (is_supervised()) return;
+  TrapSigns signs = MeasureTrapSigns(lifter_, split_.training, root_, device_);
+  const Losses losses = MeanLosses(split_.training, split_.training.frames.size() / kComparedFrames + 1);
+  signs.loss_ratio = losses.view.item<double>() / losses.reprojection.item<double>();
+  LogInfo("trap depth {:.3f} angle {:.1f} scatter {:.1f} ratio {:.3f} view {:.4f}", signs.depth_ratio,
+          signs.median_angle_deg, signs.scatter_deg, signs.loss_ratio, losses.view.item<double>());
 }
 
 void DescribeStart(const TrainingRun& run, const TrainOptions& options) {
@@ -481,7 +578,8 @@ TrainReport Train(const TrainJob& job) {
   if (job.resume && fs::exists(checkpoint_path)) {
     const Checkpoint checkpoint = ReadCheckpoint(checkpoint_path);
     run.Restore(checkpoint);
-    DropLaterMetrics(job.run_folder / "metrics.jsonl", checkpoint.info.steps);
+    DropLaterMetrics(job.run_folder / "metrics.jsonl", checkpoint.info.steps,
+                     static_cast<int>(checkpoint.restarts.losses.size()));
     LogInfo("going on after step {}", checkpoint.info.steps);
   } else {
     run.Save();

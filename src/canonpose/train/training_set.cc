@@ -20,6 +20,8 @@ constexpr int kClipsWanted = 8;
 /// training frame.
 constexpr int kValidationStretch = 50;
 
+constexpr double kUnknownFramesPerSecond = 30.0;
+
 bool IsHeldOut(int frame, int frame_count, double share) {
   const int first = frame / kValidationStretch * kValidationStretch;
   const int length = std::min(kValidationStretch, frame_count - first);
@@ -48,10 +50,12 @@ class Builder {
     split_.training.static_captures.resize(std::max<std::size_t>(split_.training.static_captures.size(), capture + 1),
                                            1);
     if (!sequence.static_cameras) split_.training.static_captures[static_cast<std::size_t>(capture)] = 0;
+    const double fps = sequence.fps > 0.0 ? sequence.fps : kUnknownFramesPerSecond;
     for (int t = 0; t < sequence.frame_count; ++t) {
       TrainingSet& set = IsHeldOut(t, sequence.frame_count, validation_share) ? split_.validation : split_.training;
-      AddFrame(sequence, t, {capture, clip_base_ + t / clip_frames_, {}}, cameras, set);
+      AddFrame(sequence, t, {capture, clip_base_ + t / clip_frames_, {}, sequence_number_, t / fps}, cameras, set);
     }
+    ++sequence_number_;
     clip_base_ += sequence.frame_count / clip_frames_ + 1;
   }
 
@@ -106,6 +110,7 @@ class Builder {
   int clip_frames_;
   TrainingTarget target_;
   int clip_base_ = 0;
+  int sequence_number_ = 0;
   Numbering captures_;
   std::map<int, Numbering> cameras_;
   NormalisedPose pose_;

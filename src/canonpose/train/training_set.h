@@ -20,6 +20,8 @@ struct TrainingFrame {
   int capture = 0;  ///< frames of one capture share their cameras
   int clip = 0;     ///< consecutive frames of one sequence, the unit that statistics are averaged over
   std::vector<TrainingView> views;
+  int sequence = 0;      ///< number of its sequence, counted over all datasets
+  double seconds = 0.0;  ///< since the sequence's first frame; 30 frames a second where the rate is unknown
 };
 
 /// N poses of J joints.

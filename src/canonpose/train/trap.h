@@ -1,0 +1,56 @@
+// Whether a lifter that was trained without labels has settled in a solution that is none: poses too deep, seen under
+// rotations too small, or poses of which some are right and others mirrored.
+//
+// Two weak-perspective views of a body do not tell twice the depth from half the angle between the cameras (the
+// bas-relief ambiguity); only many poses and views together do, and view mixing alone may stay with the wrong answer.
+// No truth is needed to notice: people seen from all around are as deep as they are wide, and cameras stand still or
+// turn slowly, whatever people do.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+#include <torch/torch.h>
+
+#include "canonpose/model/lifter.h"
+#include "canonpose/train/training_set.h"
+
+namespace canonpose {
+
+/// What can be seen without truth; NaN where the data do not tell.
+struct TrapSigns {
+  /// RMS depth of the poses over their RMS width, both relative to the root; width is the lesser principal axis in the
+  /// image, depth the lesser one in the plane of the other and the optical axis, so that cameras that look down on
+  /// upright people do not count as depth. Near 1 where people are seen from all around.
+  double depth_ratio = 0.0;
+  double median_angle_deg = 0.0;  ///< between the rotations of two views of a frame, over all pairs
+  /// Median angle between the relative rotation of two cameras in a frame and its mean over the clip or, where cameras
+  /// stand still, over the capture.
+  double scatter_deg = 0.0;
+  double loss_ratio = 0.0;  ///< view mixing (for each source view) over reprojection; 1 if views agree perfectly
+};
+
+class TrapStatistics {
+ public:
+  /// A pose in its camera's frame, centred on the root; (3, J).
+  void AddPose(int clip, int camera, const Eigen::Matrix3Xd& pose_in_camera);
+  /// The rotation from camera a to camera b as the lifter sees it in one frame. `group`: what shares its cameras'
+  /// rotations, a capture or a clip.
+  void AddRotation(int group, int camera_a, int camera_b, const Eigen::Matrix3d& b_from_a);
+  /// All but loss_ratio.
+  [[nodiscard]] TrapSigns Finish() const;
+
+ private:
+  std::map<std::pair<int, int>, Eigen::Matrix3d> moments_;  // sums of x x^T, by clip and camera
+  std::map<std::tuple<int, int, int>, std::vector<Eigen::Matrix3d>> rotations_;
+};
+
+/// The signs of a lifter on every n-th clip of a training set; without loss_ratio.
+TrapSigns MeasureTrapSigns(Lifter& lifter, const TrainingSet& set, int root, torch::Device device);
+
+}  // namespace canonpose

@@ -49,6 +49,12 @@ void WriteModelInfo(h5::Group& root, const ModelInfo& info) {
   root.SetDouble("mirror_slope", info.mirror.slope);
   root.SetDouble("mirror_slope_error", info.mirror.slope_error);
   root.SetDouble("perspective", info.perspective);
+  if (!info.trap.verdict.empty()) {
+    root.SetString("trap_verdict", info.trap.verdict);
+    root.SetDouble("trap_depth_ratio", info.trap.depth_ratio);
+    root.SetDouble("trap_angle_deg", info.trap.angle_deg);
+    root.SetDouble("trap_scatter_deg", info.trap.scatter_deg);
+  }
   h5::Group skeleton = root.Create("skeleton");
   WriteSkeleton(skeleton, info.skeleton);
   h5::Group source = root.Create("source");
@@ -78,6 +84,10 @@ ModelInfo ReadModelInfo(const h5::Group& root) {
   info.mirror.slope = root.GetDouble("mirror_slope");
   info.mirror.slope_error = root.GetDouble("mirror_slope_error");
   info.perspective = root.GetDouble("perspective");
+  if (root.HasAttribute("trap_verdict")) {
+    info.trap = {root.GetString("trap_verdict"), root.GetDouble("trap_depth_ratio"), root.GetDouble("trap_angle_deg"),
+                 root.GetDouble("trap_scatter_deg")};
+  }
   info.skeleton = ReadSkeleton(root.Open("skeleton"));
   const h5::Group source = root.Open("source");
   info.source.format = source.GetString("format");

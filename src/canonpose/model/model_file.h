@@ -3,7 +3,8 @@
 //
 //   /            attributes format = "canonpose-model", version = 1, program_version, width, preset, options (JSON),
 //   seed, steps,
-//                mirror_decision, mirror_slope, mirror_slope_error, perspective
+//                mirror_decision, mirror_slope, mirror_slope_error, perspective; where it was looked for trap_verdict,
+//                trap_depth_ratio, trap_angle_deg, trap_scatter_deg
 //   /skeleton    as in a dataset file
 //   /source      attributes format, layout, confidence_scale, mapping: the kind of keypoint file it was trained on
 //   /data        attributes files, fingerprints: what it was trained on
@@ -32,6 +33,14 @@ struct MirrorDecision {
   double slope_error = 0.0;            ///< its standard error over clips
 };
 
+/// Whether training without labels has settled in a solution that is none (train/trap.h).
+struct TrapFinding {
+  std::string verdict;       ///< "right", "suspicious", "trapped"; empty where nobody looked, as in older files
+  double depth_ratio = 0.0;  ///< depth of the poses over their width
+  double angle_deg = 0.0;    ///< median angle between two views of a frame
+  double scatter_deg = 0.0;  ///< of the relative rotation of two cameras about its mean; NaN where it is not known
+};
+
 struct ModelInfo {
   std::string program_version;
   Skeleton skeleton;
@@ -42,6 +51,7 @@ struct ModelInfo {
   std::uint64_t seed = 0;
   std::int64_t steps = 0;
   MirrorDecision mirror;
+  TrapFinding trap;
   double perspective = 0.0;                    ///< learned perspective factor k, 0 where none was learned
   std::vector<std::string> data_files;         ///< names without folders
   std::vector<std::string> data_fingerprints;  ///< hexadecimal, see Dataset::Fingerprint()

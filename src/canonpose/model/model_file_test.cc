@@ -26,6 +26,7 @@ ModelFile Example() {
   model.info.seed = 7;
   model.info.steps = 1234;
   model.info.mirror = {"flipped", 0.15, 0.01};
+  model.info.trap = {"suspicious", 1.3, 95.0, 20.0};
   model.info.perspective = 0.8;
   model.info.data_files = {"data.h5"};
   model.info.data_fingerprints = {"0123456789abcdef"};
@@ -50,10 +51,23 @@ TEST(ModelFile, RoundTripKeepsEverything) {
   EXPECT_EQ(read.info.steps, 1234);
   EXPECT_EQ(read.info.mirror.decision, "flipped");
   EXPECT_EQ(read.info.mirror.slope, 0.15);
+  EXPECT_EQ(read.info.trap.verdict, "suspicious");
+  EXPECT_EQ(read.info.trap.depth_ratio, 1.3);
+  EXPECT_EQ(read.info.trap.angle_deg, 95.0);
+  EXPECT_EQ(read.info.trap.scatter_deg, 20.0);
   EXPECT_EQ(read.info.perspective, 0.8);
   EXPECT_EQ(read.info.data_fingerprints, model.info.data_fingerprints);
   ASSERT_EQ(read.parameters.size(), model.parameters.size());
   for (const auto& [name, array] : model.parameters) EXPECT_EQ(read.parameters.at(name).values, array.values) << name;
+}
+
+TEST(ModelFile, OfBeforeTrapsWereLookedForIsReadable) {
+  const TemporaryFolder folder;
+  ModelFile model = Example();
+  model.info.trap = {};
+  WriteModelFile(folder / "model.cpm", model);
+  EXPECT_EQ(h5::File::OpenForReading(folder / "model.cpm").root().HasAttribute("trap_verdict"), false);
+  EXPECT_EQ(ReadModelFile(folder / "model.cpm").info.trap.verdict, "");
 }
 
 TEST(ModelFile, SameModelSameBits) {

@@ -1,5 +1,6 @@
 #include "canonpose/train/batch_order.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -8,6 +9,12 @@
 
 namespace canonpose {
 namespace {
+
+/// The random stream of the frames' order.
+constexpr std::uint64_t kFrameOrder = 2;
+
+/// Frames of a window that a batch holds together.
+constexpr int kRunFrames = 8;
 
 /// A stretch of EpochOrder::frames before they are shuffled.
 struct Run {
@@ -52,6 +59,32 @@ EpochOrder WindowedOrder(const TrainingSet& set, double window_seconds, int run_
     order.windows.insert(order.windows.end(), runs[r].frames.size(), runs[r].window);
   }
   return order;
+}
+
+double WindowLeft(const TrainOptions& options, const Schedule& schedule, std::int64_t step) {
+  if (options.camera_consistency != "window") return 0.0;
+  const double end = options.camera_window_end * static_cast<double>(schedule.steps());
+  return std::max(0.0, 1.0 - static_cast<double>(step) / end);
+}
+
+Batch Batches::At(std::int64_t step, std::uint64_t seed) {
+  const std::int64_t epoch = step / schedule_.steps_per_epoch;
+  if (epoch_ != epoch || seed_ != seed) {
+    epoch_ = epoch;
+    seed_ = seed;
+    Rng rng(seed, {kFrameOrder, static_cast<std::uint64_t>(epoch)});
+    const double left = WindowLeft(options_, schedule_, epoch * schedule_.steps_per_epoch);
+    order_ = left > 0.0 ? WindowedOrder(set_, left * options_.camera_window_seconds, kRunFrames, rng)
+                        : ShuffledOrder(set_.frames.size(), rng);
+  }
+  const auto count = static_cast<std::size_t>(options_.batch_frames);
+  const std::size_t first = static_cast<std::size_t>(step % schedule_.steps_per_epoch) * count;
+  Batch batch;
+  for (std::size_t i = first; i < std::min(first + count, order_.frames.size()); ++i) {
+    batch.frames.push_back(&set_.frames[order_.frames[i]]);
+    if (!order_.windows.empty()) batch.windows.push_back(order_.windows[i]);
+  }
+  return batch;
 }
 
 }  // namespace canonpose

@@ -182,6 +182,28 @@ Losses ComputeSupervisedLoss(const LifterOutput& output, const BatchTensors& bat
   return losses;
 }
 
+Losses MeanLosses(const TrainingSet& set, std::size_t stride,
+                  const std::function<Losses(const std::vector<const TrainingFrame*>& frames)>& compute) {
+  const torch::NoGradGuard no_grad;
+  constexpr std::size_t kChunk = 512;
+  constexpr torch::Tensor Losses::*kAll[] = {&Losses::reprojection, &Losses::view, &Losses::camera, &Losses::total};
+  Losses mean;
+  for (const auto loss : kAll) mean.*loss = torch::zeros({}, torch::kFloat64);
+  double count = 0.0;
+  std::vector<const TrainingFrame*> frames;
+  for (std::size_t n = 0; n < set.frames.size(); n += stride) {
+    frames.push_back(&set.frames[n]);
+    if (frames.size() < kChunk && n + stride < set.frames.size()) continue;
+    const Losses losses = compute(frames);
+    const auto weight = static_cast<double>(frames.size());
+    for (const auto loss : kAll) mean.*loss += weight * (losses.*loss).item<double>();
+    count += weight;
+    frames.clear();
+  }
+  for (const auto loss : kAll) mean.*loss /= count;
+  return mean;
+}
+
 Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs,
                      const LossWeights& weights, const torch::Tensor& perspective, int root) {
   const torch::Device device = batch.keypoints.device();

@@ -94,6 +94,10 @@ torch::Tensor PairErrors(const torch::Tensor& projected, const torch::Tensor& ke
 /// truth, P the pose in the camera centred on the root, |.| the Frobenius norm over the joints whose truth is known.
 Losses ComputeSupervisedLoss(const LifterOutput& output, const BatchTensors& batch, int root);
 
+/// The mean over every `stride`-th frame of a set of `compute`, the losses of some frames; without gradients.
+Losses MeanLosses(const TrainingSet& set, std::size_t stride,
+                  const std::function<Losses(const std::vector<const TrainingFrame*>& frames)>& compute);
+
 Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs,
                      const LossWeights& weights, const torch::Tensor& perspective, int root);
 

@@ -5,6 +5,12 @@
 
 namespace canonpose {
 
+std::vector<std::pair<std::string, torch::Tensor>> NamedParameters(const Lifter& lifter) {
+  std::vector<std::pair<std::string, torch::Tensor>> parameters;
+  for (const auto& item : lifter->named_parameters()) parameters.emplace_back(item.key(), item.value());
+  return parameters;
+}
+
 void StoreOptimiser(const Adam& adam, Checkpoint& checkpoint) {
   for (const Adam::Parameter& parameter : adam.parameters()) {
     checkpoint.parameters[parameter.name] = ToArray(parameter.value);

@@ -2,11 +2,19 @@
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
+#include <torch/torch.h>
+
+#include "canonpose/model/lifter.h"
 #include "canonpose/train/adam.h"
 #include "canonpose/train/checkpoint.h"
 
 namespace canonpose {
+
+/// All parameters of a network, in its order.
+std::vector<std::pair<std::string, torch::Tensor>> NamedParameters(const Lifter& lifter);
 
 /// Adds the values and moments of all parameters.
 void StoreOptimiser(const Adam& adam, Checkpoint& checkpoint);

@@ -36,13 +36,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// What a generator is for, as its first stream number.
-enum Stream : std::uint64_t { kInitialisation = 1, kFrameOrder = 2, kPermutations = 3 };
+/// What a generator is for, as its first stream number; 2 is the order of frames (batch_order.cc).
+enum Stream : std::uint64_t { kInitialisation = 1, kPermutations = 3 };
 
 constexpr const char* kPerspectiveName = "perspective";
 
-/// Frames of a window that a batch holds together.
-constexpr int kRunFrames = 8;
 /// Frames that restarts are compared on.
 constexpr std::size_t kComparedFrames = 2000;
 
@@ -61,27 +59,9 @@ class TrainingRun {
 
  private:
   [[nodiscard]] bool is_supervised() const { return options_.supervision == "truth"; }
-  [[nodiscard]] bool is_restarting() const {
-    return options_.restarts > 1 && restarts_.losses.size() < static_cast<std::size_t>(options_.restarts);
-  }
-  [[nodiscard]] std::int64_t restart_steps() const {
-    return std::min<std::int64_t>(options_.restart_steps, schedule_.steps());
-  }
-  /// With those of restarts that were not chosen.
-  [[nodiscard]] std::int64_t steps_in_all() const {
-    return schedule_.steps() + (options_.restarts - 1) * restart_steps();
-  }
-  [[nodiscard]] std::int64_t steps_done() const {
-    return step_ + (is_restarting() ? restarts_.running : options_.restarts - 1) * restart_steps();
-  }
+  [[nodiscard]] RestartPlan plan() const { return {options_.restarts, options_.restart_steps, schedule_.steps()}; }
   /// Seed of what is running: that of a restart where there are several.
   [[nodiscard]] std::uint64_t seed() const { return RestartSeed(options_.seed, restarts_.running); }
-  /// What is left of the window of camera consistency, of its length and its weight, at a step: 1 to 0.
-  [[nodiscard]] double WindowLeft(std::int64_t step) const {
-    if (options_.camera_consistency != "window") return 0.0;
-    return std::max(
-        0.0, 1.0 - static_cast<double>(step) / (options_.camera_window_end * static_cast<double>(schedule_.steps())));
-  }
   [[nodiscard]] bool wants_perspective() const { return options_.perspective == "learned"; }
   [[nodiscard]] std::int64_t warmup_steps() const {
     return static_cast<std::int64_t>(options_.perspective_warmup * static_cast<double>(schedule_.steps()));
@@ -93,11 +73,6 @@ class TrainingRun {
     return perspective_is_free_ ? perspective_ : torch::Tensor();
   }
 
-  struct Batch {
-    std::vector<const TrainingFrame*> frames;
-    std::vector<std::int64_t> windows;  ///< of `frames`, where camera consistency is kept within windows
-  };
-  Batch BatchOf(std::int64_t step);
   void TakeStep();
   Losses BatchLosses(std::int64_t step);
   void RequireSoundness();
@@ -107,9 +82,9 @@ class TrainingRun {
   void RestoreState(const Checkpoint& checkpoint);
   void EndEpoch();
   [[nodiscard]] std::string DescribeLoss() const;
-  Losses MeanLosses(const TrainingSet& set, std::size_t stride);
+  /// Over every n-th frame of a set, about `frames_wanted` of them, without camera consistency.
+  Losses MeanLossesOf(const TrainingSet& set, std::size_t frames_wanted);
   std::optional<double> ValidationLoss();
-  void LookForTrap();
   void DecideMirror();
   void Mirror();
   void FreePerspectiveIfDecided();
@@ -120,6 +95,7 @@ class TrainingRun {
   fs::path run_folder_;
   TrainingSplit split_;
   Schedule schedule_;
+  Batches batches_;
   int root_;
   torch::Device device_;
   Lifter lifter_;
@@ -130,17 +106,9 @@ class TrainingRun {
   ModelInfo info_;
   EpochSums sums_;
   std::int64_t step_ = 0;
-  int order_epoch_ = -1;
-  EpochOrder order_;
   RestartState restarts_;
   std::chrono::steady_clock::time_point epoch_start_ = std::chrono::steady_clock::now();
 };
-
-std::vector<std::pair<std::string, torch::Tensor>> NamedParameters(const Lifter& lifter) {
-  std::vector<std::pair<std::string, torch::Tensor>> parameters;
-  for (const auto& item : lifter->named_parameters()) parameters.emplace_back(item.key(), item.value());
-  return parameters;
-}
 
 void InitialiseLifter(Lifter& lifter, const TrainOptions& options, std::uint64_t seed) {
   lifter->Initialise(Rng(seed, {kInitialisation}).Bits());
@@ -172,6 +140,7 @@ TrainingRun::TrainingRun(const TrainJob& job, TrainingSplit split)
       run_folder_(job.run_folder),
       split_(std::move(split)),
       schedule_(MakeSchedule(options_, split_.training.frames.size())),
+      batches_(split_.training, options_, schedule_),
       root_(job.datasets.front().skeleton.root),
       device_(options_.device == "cuda" ? torch::kCUDA : torch::kCPU),
       lifter_(NewLifter(split_.training.joint_count, options_, device_)),
@@ -225,36 +194,17 @@ void TrainingRun::RestoreState(const Checkpoint& checkpoint) {
   perspective_adam_.set_step_count(checkpoint.perspective_steps);
   info_.mirror = checkpoint.info.mirror;
   sums_ = checkpoint.sums;
-  order_epoch_ = -1;
   perspective_is_free_ = false;
   if (step_ > warmup_steps()) FreePerspectiveIfDecided();
 }
 
-TrainingRun::Batch TrainingRun::BatchOf(std::int64_t step) {
-  if (order_epoch_ != epoch_of(step)) {
-    order_epoch_ = epoch_of(step);
-    Rng rng(seed(), {kFrameOrder, static_cast<std::uint64_t>(order_epoch_)});
-    const double left = WindowLeft(order_epoch_ * schedule_.steps_per_epoch);
-    order_ = left > 0.0 ? WindowedOrder(split_.training, left * options_.camera_window_seconds, kRunFrames, rng)
-                        : ShuffledOrder(split_.training.frames.size(), rng);
-  }
-  const auto count = static_cast<std::size_t>(options_.batch_frames);
-  const std::size_t first = static_cast<std::size_t>(step % schedule_.steps_per_epoch) * count;
-  Batch batch;
-  for (std::size_t i = first; i < std::min(first + count, order_.frames.size()); ++i) {
-    batch.frames.push_back(&split_.training.frames[order_.frames[i]]);
-    if (!order_.windows.empty()) batch.windows.push_back(order_.windows[i]);
-  }
-  return batch;
-}
-
 Losses TrainingRun::BatchLosses(std::int64_t step) {
-  const auto [frames, windows] = BatchOf(step);
+  const auto [frames, windows] = batches_.At(step, seed());
   const BatchTensors batch = GatherBatch(split_.training, frames, device_);
   if (is_supervised()) return ComputeSupervisedLoss(lifter_->forward(LifterInput(batch)), batch, root_);
   Rng permutations(seed(), {kPermutations, static_cast<std::uint64_t>(step)});
   const bool is_static = options_.camera_consistency == "static";
-  const double left = is_static ? 1.0 : WindowLeft(step);
+  const double left = is_static ? 1.0 : WindowLeft(options_, schedule_, step);
   const BatchPairs pairs = MakeBatchPairs(
       frames, split_.training.static_captures, is_static || (left > 0.0 && !windows.empty()),
       [&](std::size_t count) { return permutations.Permutation(count); }, windows);
@@ -299,17 +249,8 @@ void TrainingRun::RequireSoundness() {
 }
 
 void TrainingRun::StopAtBadLoss(const std::string& what) {
-  std::string kept = "no good model was made";
-  if (fs::exists(File("checkpoint.h5"))) {
-    Checkpoint last_good = ReadCheckpoint(File("checkpoint.h5"));
-    last_good.parameters.erase(kPerspectiveName);
-    // An untrained network is no reason to replace a model that an earlier run left here.
-    if (last_good.info.steps > 0 || !fs::exists(File("model.cpm"))) {
-      WriteModelFile(File("model.cpm"), {last_good.info, last_good.parameters});
-    }
-    kept = fmt::format("the last good model, of step {}, is in {}", last_good.info.steps, File("model.cpm").string());
-  }
-  ThrowComputation("{} of {}; {}; try again with a smaller --set learning_rate", what, schedule_.steps(), kept);
+  ThrowComputation("{} of {}; {}; try again with a smaller --set learning_rate", what, schedule_.steps(),
+                   KeepLastGoodModel(run_folder_, {kPerspectiveName}));
 }
 
 void TrainingRun::FreePerspectiveIfDecided() {
@@ -327,71 +268,23 @@ void TrainingRun::DecideMirror() {
     return;
   }
   const PerspectiveSlope slope = MeasurePerspectiveSlope(lifter_, split_.training, root_, device_);
-  const bool decided_before = info_.mirror.decision != "undecided";
-  if (options_.mirror != "auto") {
-    if (!decided_before) {
-      if (options_.mirror == "flip") Mirror();
-      info_.mirror = {options_.mirror == "flip" ? "flipped by request" : "kept by request", slope.slope,
-                      slope.standard_error};
-      LogInfo("mirror: {}; perspective {}", info_.mirror.decision, slope.Describe());
-    }
-    return;
-  }
-  if (!slope.is_sure() && decided_before) {
-    LogInfo("mirror: {} at the warm-up, which stands ({} now tells too little)", info_.mirror.decision,
-            slope.Describe());
-    return;
-  }
-  if (!slope.is_sure()) {
-    info_.mirror = {"undecided", slope.slope, slope.standard_error};
-    LogWarning(
-        "mirror: perspective is too weak to tell the pose from its depth mirror ({}, {:.1f} standard errors; {} are "
-        "needed), or training found no good solution; try another --seed, or look at the poses and train again with "
-        "--mirror keep or --mirror flip",
-        slope.Describe(), slope.sureness(), PerspectiveSlope::kSure);
-    return;
-  }
-  if (slope.is_mirrored()) Mirror();
-  if (!decided_before || slope.is_mirrored()) {
-    info_.mirror = {slope.is_mirrored() ? "flipped" : "kept", slope.slope, slope.standard_error};
-  }
-  const char* what = "right, so kept";
-  if (decided_before) what = "confirmed after training";
-  if (slope.is_mirrored()) what = "mirrored, so flipped";
-  LogInfo("mirror: {} ({}, {:.1f} standard errors; negative is right)", what, slope.Describe(), slope.sureness());
+  if (UpdateMirrorDecision(slope, options_.mirror, info_.mirror)) Mirror();
 }
 
-/// Over every `stride`-th frame of a set, without camera consistency.
-Losses TrainingRun::MeanLosses(const TrainingSet& set, std::size_t stride) {
-  const torch::NoGradGuard no_grad;
-  constexpr std::size_t kChunk = 512;
-  Losses mean;
-  double count = 0.0;
-  std::vector<const TrainingFrame*> frames;
-  for (std::size_t n = 0; n < set.frames.size(); n += stride) {
-    frames.push_back(&set.frames[n]);
-    if (frames.size() < kChunk && n + stride < set.frames.size()) continue;
+Losses TrainingRun::MeanLossesOf(const TrainingSet& set, std::size_t frames_wanted) {
+  const std::size_t stride = (set.frames.size() + frames_wanted - 1) / frames_wanted;
+  return MeanLosses(set, stride, [&](const std::vector<const TrainingFrame*>& frames) {
     const BatchTensors batch = GatherBatch(set, frames, device_);
     const LifterOutput output = lifter_->forward(LifterInput(batch));
-    const Losses losses =
-        is_supervised() ? ComputeSupervisedLoss(output, batch, root_)
-                        : ComputeLosses(output, batch, MakeBatchPairs(frames, set.static_captures, false, nullptr),
-                                        {1.0, options_.view_weight, 0.0}, PerspectiveInLosses(), root_);
-    const auto share = static_cast<double>(frames.size());
-    for (torch::Tensor Losses::*const loss : {&Losses::reprojection, &Losses::view, &Losses::total}) {
-      const torch::Tensor part = (losses.*loss).to(torch::kFloat64) * share;
-      mean.*loss = (mean.*loss).defined() ? mean.*loss + part : part;
-    }
-    count += share;
-    frames.clear();
-  }
-  for (torch::Tensor Losses::*const loss : {&Losses::reprojection, &Losses::view, &Losses::total}) mean.*loss /= count;
-  return mean;
+    if (is_supervised()) return ComputeSupervisedLoss(output, batch, root_);
+    return ComputeLosses(output, batch, MakeBatchPairs(frames, set.static_captures, false, nullptr),
+                         {1.0, options_.view_weight, 0.0}, PerspectiveInLosses(), root_);
+  });
 }
 
 std::optional<double> TrainingRun::ValidationLoss() {
   if (split_.validation.frames.empty()) return std::nullopt;
-  return MeanLosses(split_.validation, 1).total.item<double>();
+  return MeanLossesOf(split_.validation, split_.validation.frames.size()).total.item<double>();
 }
 
 void TrainingRun::StartAfresh() {
@@ -402,20 +295,18 @@ void TrainingRun::StartAfresh() {
   info_.mirror = {};
   sums_ = {};
   step_ = 0;
-  order_epoch_ = -1;
 }
 
 void TrainingRun::EndRestart() {
   RequireSoundness();
-  const double loss =
-      MeanLosses(split_.training, split_.training.frames.size() / kComparedFrames + 1).view.item<double>();
+  const double loss = MeanLossesOf(split_.training, kComparedFrames).view.item<double>();
   AppendLine(File("metrics.jsonl"), Json{{"restart", restarts_.running}, {"seed", seed()}, {"view", loss}}.dump());
   LogInfo("restart {} of {}: loss of view mixing {:.4f}", restarts_.running + 1, options_.restarts, loss);
   restarts_.losses.push_back(loss);
   if (BestRestart(restarts_.losses) == restarts_.running) {
     restarts_.best = std::make_shared<const Checkpoint>(MakeCheckpoint());
   }
-  if (is_restarting()) {
+  if (plan().IsRunning(restarts_)) {
     ++restarts_.running;
     StartAfresh();
     return;
@@ -427,7 +318,7 @@ void TrainingRun::EndRestart() {
 
 void TrainingRun::EndEpoch() {
   const auto now = std::chrono::steady_clock::now();
-  if (is_restarting()) {  // these epochs are not the run's unless it is chosen, and it has the like to come
+  if (plan().IsRunning(restarts_)) {  // these epochs are not the run's unless it is chosen, and it has the like to come
     epoch_start_ = now;
     sums_ = {};
     return;
@@ -464,7 +355,7 @@ std::string TrainingRun::DescribeLoss() const {
 int TrainingRun::Run() {
   using Clock = std::chrono::steady_clock;
   const InterruptGuard interrupt;
-  Progress progress("step", steps_in_all(), steps_done());
+  Progress progress("step", plan().StepsInAll(), plan().StepsDone(restarts_, step_));
   Clock::time_point last_save = Clock::now();
   while (step_ < schedule_.steps()) {
     if (wants_perspective() && step_ == warmup_steps()) {
@@ -473,10 +364,10 @@ int TrainingRun::Run() {
     }
     TakeStep();
     if (progress.IsDue()) {
-      progress.Update(steps_done(), DescribeLoss());
+      progress.Update(plan().StepsDone(restarts_, step_), DescribeLoss());
     }
     if (step_ % schedule_.steps_per_epoch == 0) EndEpoch();
-    if (is_restarting() && step_ == restart_steps()) EndRestart();
+    if (plan().IsRunning(restarts_) && step_ == plan().steps()) EndRestart();
     const bool is_due = std::chrono::duration<double>(Clock::now() - last_save).count() >= options_.checkpoint_seconds;
     if (is_due || interrupt.signal() != 0 || step_ == schedule_.steps()) {
       Save();
@@ -492,21 +383,12 @@ TrainReport TrainingRun::Finish() {
   DecideMirror();
   TrainReport report;
   report.validation_loss = ValidationLoss();
-  LookForTrap();
+  if (!is_supervised()) info_.trap = ReportTrap(MeasureTrapSigns(lifter_, split_.training, root_, device_));
   info_.steps = step_;
   info_.perspective = perspective_.item<double>();
   WriteModelFile(File("model.cpm"), {info_, ParametersOf(lifter_)});
   report.model = info_;
   return report;
-}
-
-void TrainingRun::LookForTrap() {
-  if (is_supervised()) return;
-  TrapSigns signs = MeasureTrapSigns(lifter_, split_.training, root_, device_);
-  const Losses losses = MeanLosses(split_.training, split_.training.frames.size() / kComparedFrames + 1);
-  signs.loss_ratio = losses.view.item<double>() / losses.reprojection.item<double>();
-  LogInfo("trap depth {:.3f} angle {:.1f} scatter {:.1f} ratio {:.3f} view {:.4f}", signs.depth_ratio,
-          signs.median_angle_deg, signs.scatter_deg, signs.loss_ratio, losses.view.item<double>());
 }
 
 void DescribeStart(const TrainingRun& run, const TrainOptions& options) {

@@ -18,22 +18,38 @@
 #include <torch/torch.h>
 
 #include "canonpose/model/lifter.h"
+#include "canonpose/model/model_file.h"
 #include "canonpose/train/training_set.h"
 
 namespace canonpose {
 
-/// What can be seen without truth; NaN where the data do not tell.
+/// What can be seen without truth. How it was judged, and what the figures are of good runs and of trapped ones:
+/// docs/results.md. The loss of view mixing is no sign: it was 3.9 to 6.2 times that of reprojection in runs of both
+/// kinds.
 struct TrapSigns {
   /// RMS depth of the poses over their RMS width, both relative to the root; width is the lesser principal axis in the
   /// image, depth the lesser one in the plane of the other and the optical axis, so that cameras that look down on
-  /// upright people do not count as depth. Near 1 where people are seen from all around.
+  /// upright people do not count as depth. Near 1 where people are seen from all around; NaN without poses.
   double depth_ratio = 0.0;
-  double median_angle_deg = 0.0;  ///< between the rotations of two views of a frame, over all pairs
+  double angle_deg = 0.0;  ///< median angle between the rotations of two views of a frame, over all pairs
   /// Median angle between the relative rotation of two cameras in a frame and its mean over the clip or, where cameras
-  /// stand still, over the capture.
+  /// stand still, over the capture. NaN where no two frames can be compared.
   double scatter_deg = 0.0;
-  double loss_ratio = 0.0;  ///< view mixing (for each source view) over reprojection; 1 if views agree perfectly
+
+  /// "poses 1.93 times as deep as wide, views 34 degrees apart, scattered by 34"
+  [[nodiscard]] std::string Describe() const;
 };
+
+enum class TrapVerdict {
+  kRight,       ///< the solution or its depth mirror (train/mirror.h)
+  kSuspicious,  ///< between the two, or too little to judge by
+  kTrapped,     ///< neither
+};
+
+/// Trapped where poses are more than 1.5 times as deep as wide, or where relative rotations scatter by more than 0.6 of
+/// their own size. Suspicious from 1.25 and 0.4, where depth is less than half of width, and where views are less than
+/// 10 degrees apart.
+TrapVerdict JudgeTrap(const TrapSigns& signs);
 
 class TrapStatistics {
  public:
@@ -42,7 +58,6 @@ class TrapStatistics {
   /// The rotation from camera a to camera b as the lifter sees it in one frame. `group`: what shares its cameras'
   /// rotations, a capture or a clip.
   void AddRotation(int group, int camera_a, int camera_b, const Eigen::Matrix3d& b_from_a);
-  /// All but loss_ratio.
   [[nodiscard]] TrapSigns Finish() const;
 
  private:
@@ -50,7 +65,10 @@ class TrapStatistics {
   std::map<std::tuple<int, int, int>, std::vector<Eigen::Matrix3d>> rotations_;
 };
 
-/// The signs of a lifter on every n-th clip of a training set; without loss_ratio.
+/// The signs of a lifter on every n-th clip of a training set.
 TrapSigns MeasureTrapSigns(Lifter& lifter, const TrainingSet& set, int root, torch::Device device);
+
+/// Tells the user, with what to do about it, and gives what the model file records.
+TrapFinding ReportTrap(const TrapSigns& signs);
 
 }  // namespace canonpose

@@ -25,8 +25,8 @@ double Median(std::vector<double>& values) {
   return *middle;
 }
 
-// Runs of ten recipes (docs/results.md): in the right basin depth was 0.89 to 1.02 and scatter 0.09 to 0.22 of the
-// angle; in the trap 1.5 to 3.3, and 0.27 (moving cameras) to 1.0 (still ones).
+// In the right basin depth was 0.89 to 1.02 and scatter 0.09 to 0.22 of the angle. In the trap depth was 1.5 to 3.3, or
+// scatter 0.7 to 1.0 of the angle, or both; of moving cameras, within clips, it was 0.27 even there (docs/results.md).
 constexpr double kSuspiciousDepth = 1.25;
 constexpr double kTrappedDepth = 1.5;
 constexpr double kFlat = 0.5;
@@ -97,10 +97,8 @@ TrapFinding ReportTrap(const TrapSigns& signs) {
   finding.verdict = verdict == TrapVerdict::kTrapped ? "trapped" : "suspicious";
   LogWarning(
       "trap: training {} in a solution that is none ({}; people seen from all around are as deep as wide, and cameras "
-      "turn little from frame to frame): where cameras stand still use --set camera_consistency=static, otherwise try "
-      "--set camera_consistency=window --set camera_weight=0.5, --set rotation_spread=60, --set restarts=4, more "
-      "epochs "
-      "or another --seed",
+      "turn little from frame to frame): train again with --set camera_consistency=static where cameras stand still, "
+      "--set camera_consistency=window --set camera_weight=0.5 where they move, more epochs or another --seed",
       verdict == TrapVerdict::kTrapped ? "has settled" : "may have settled", signs.Describe());
   return finding;
 }

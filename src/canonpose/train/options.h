@@ -28,9 +28,10 @@ struct TrainOptions {
   double camera_window_end = 0.5;      ///< share of the steps by which its length and its weight have fallen to zero
   double rotation_spread = 1.0;        ///< the rotation layer's initial weights are multiplied by it
   int restarts = 1;                    ///< short runs from different seeds, of which the best is gone on with
-  int restart_steps = 500;             ///< length of each of them
-  std::string perspective = "off";     ///< off: weak perspective as published; learned: one factor k, learned
-  double perspective_warmup = 0.3;     ///< share of the steps before k is set free
+  /// Length of each of them. At 500 steps a run that will be trapped still has the lesser loss (docs/results.md).
+  int restart_steps = 1000;
+  std::string perspective = "off";          ///< off: weak perspective as published; learned: one factor k, learned
+  double perspective_warmup = 0.3;          ///< share of the steps before k is set free
   double perspective_learning_rate = 0.01;  ///< of k alone
   std::string mirror = "auto";              ///< auto: by the perspective slope; keep, flip: by request
   double validation = 0.1;                  ///< share of the frames held out, at the end of every 50

@@ -1,5 +1,5 @@
 // Several short runs from different seeds, of which the best is gone on with: view mixing alone may settle in a trap,
-// and its loss shows that, if faintly, before the end.
+// and its loss shows that before the end, though not at once.
 #pragma once
 
 #include <cstdint>

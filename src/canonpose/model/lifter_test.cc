@@ -124,6 +124,18 @@ TEST_P(LifterOfForm, MirrorNegatesDepthsAndKeepsReprojections) {
   EXPECT_TRUE(torch::equal(before.rotation, twice.rotation));
 }
 
+TEST(Lifter, ScaledRotationsAreLargerAndPosesTheSame) {
+  const torch::NoGradGuard no_grad;
+  Lifter lifter(5, 8);
+  lifter->Initialise(1);
+  const torch::Tensor input = torch::ones({2, 15});
+  const LifterOutput before = lifter->forward(input);
+  lifter->ScaleRotations(16.0);  // a power of two, so that nothing is rounded
+  const LifterOutput after = lifter->forward(input);
+  EXPECT_TRUE(torch::equal(after.axis_angle, 16.0 * before.axis_angle));
+  EXPECT_TRUE(torch::equal(after.pose, before.pose));
+}
+
 TEST(Lifter, InitialisationDependsOnTheSeedAlone) {
   Lifter a(5, 16);
   Lifter b(5, 16);

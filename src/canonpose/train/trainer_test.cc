@@ -173,6 +173,7 @@ TEST(Train, LearnsTheBodyTheRightWayRoundForEverySeed) {
     flipped += report.model.mirror.decision == "flipped" ? 1 : 0;
     EXPECT_NE(report.model.mirror.decision, "undecided") << seed;
     EXPECT_GT(report.model.perspective, 0.2) << seed;
+    EXPECT_EQ(report.model.trap.verdict, "right") << seed;
 
     Lifter lifter = MakeLifter(ReadModelFile(job.run_folder), "model.cpm", torch::kCPU);
     EXPECT_GT(DepthCorrelation(lifter, job.datasets[0]), 0.95) << seed;
@@ -199,6 +200,7 @@ TEST(Train, WithTruthDepthsAreLearnedTheRightWayRound) {
   job.options.learning_rate = 2e-3;
   const TrainReport report = Train(job);
   EXPECT_EQ(report.model.mirror.decision, "known from the truth");
+  EXPECT_EQ(report.model.trap.verdict, "");
   Lifter lifter = MakeLifter(ReadModelFile(job.run_folder), "model.cpm", torch::kCPU);
   EXPECT_GT(DepthCorrelation(lifter, PuppetShow(120, 2, /*seed=*/2)), 0.9);
 
@@ -218,6 +220,62 @@ TEST(Train, SupervisionWithoutTruthIsRefused) {
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("run `canonpose solve` first"));
   job.options.perspective = "learned";
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { Train(job); }), HasSubstr("supervision"));
+}
+
+TEST(Train, RotationsStartSpreadOutExactly) {
+  const TemporaryFolder folder;
+  TrainJob job = Job(folder, "plain", "paper");
+  job.options.epochs = 1;
+  job.options.learning_rate = 1e-30;  // training leaves all weights as they are
+  job.options.mirror = "keep";
+  Train(job);
+  job.run_folder = folder / "spread";
+  job.options.rotation_spread = 10.0;
+  Train(job);
+  const ModelFile plain = ReadModelFile(folder / "plain");
+  const ModelFile spread = ReadModelFile(folder / "spread");
+  for (const auto& [name, array] : plain.parameters) {
+    const float factor = name.starts_with("enc_rot.") ? 10.0F : 1.0F;
+    for (std::size_t i = 0; i < array.values.size(); ++i) {
+      ASSERT_EQ(spread.parameters.at(name).values[i], factor * array.values[i]) << name << "[" << i << "]";
+    }
+  }
+}
+
+TEST(Train, CameraConsistencyWithinWindowsServesMovingCamerasAndIsResumable) {
+  const TemporaryFolder folder;
+  TrainJob job = Job(folder, "window", "paper");
+  job.datasets[0].sequences[0].static_cameras = false;
+  job.options.camera_consistency = "window";
+  job.options.camera_window_seconds = 0.5;
+  Train(job);
+  std::istringstream metrics(ReadFile(job.run_folder / "metrics.jsonl"));
+  std::vector<double> camera;
+  for (std::string line; std::getline(metrics, line);) {
+    const std::size_t at = line.find("\"camera\":") + 9;
+    camera.push_back(std::stod(line.substr(at)));
+  }
+  ASSERT_EQ(camera.size(), 20U);
+  EXPECT_GT(camera.front(), 0.0);
+  EXPECT_EQ(camera.back(), 0.0);  // the window has closed
+
+  TrainJob pieces = job;
+  pieces.run_folder = folder / "pieces";
+  pieces.options.checkpoint_seconds = 0.0;
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    std::thread interrupter([attempt] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50 + 10 * attempt));
+      std::raise(SIGTERM);
+    });
+    const auto before = std::signal(SIGTERM, SIG_IGN);
+    const int interrupted_by = Train(pieces).interrupted_by;
+    interrupter.join();
+    std::signal(SIGTERM, before);
+    pieces.resume = true;
+    if (interrupted_by == 0) break;
+  }
+  EXPECT_EQ(ReadModelFile(folder / "window").parameters.at("upscale.weight").values,
+            ReadModelFile(folder / "pieces").parameters.at("upscale.weight").values);
 }
 
 TEST(Train, MirrorByRequestIsTheExactMirror) {

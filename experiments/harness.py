@@ -35,18 +35,25 @@ def evaluate(run_folder, data, *options):
     return json.loads(report.read_text())
 
 
+def evaluate_solved(solved):
+    report = solved.with_suffix(".evaluation.json")
+    run("evaluate", solved, "--json", report)
+    return json.loads(report.read_text())
+
+
 def train_and_evaluate(run_folder, train_data, test_data, preset, seed, settings, evaluate_options=()):
     """One training: its figures on the test data, the mirror decision and whether it is in the trap."""
     run("train", *train_data, "-o", run_folder, "--preset", preset, "--seed", seed, "--threads", 1, *settings)
     info = run("info", run_folder)
     mirror = re.search(r"^mirror +([^(\n]+?)(?: \(slope ([-+.\d]+) \+- ([.\d]+).*)?$", info, re.MULTILINE)
+    verdict = re.search(r"^trap +(\w+)", info, re.MULTILINE)
     report = evaluate(run_folder, test_data, *evaluate_options)
     metrics = [json.loads(line) for line in (run_folder / "metrics.jsonl").read_text().splitlines()]
     return {"preset": preset, "seed": seed, "decision": mirror[1], "slope": mirror[2] and float(mirror[2]),
             "slope_error": mirror[3] and float(mirror[3]), "n_mpjpe": report["n_mpjpe_mm"], "p_mpjpe": report["p_mpjpe_mm"],
             "pck": report["pck150_percent"], "cps": report["cps"], "mirrored_percent": report["mirrored_percent"],
             "depth": report["depth_extent_ratio"], "validation": metrics[-1]["validation"], "loss": metrics[-1]["loss"],
-            "steps": metrics[-1]["step"]}
+            "steps": metrics[-1]["step"], "verdict": verdict and verdict[1]}
 
 
 def is_mirrored(result):

@@ -67,6 +67,10 @@ void PrintModel(const ModelInfo& info) {
                info.mirror.slope_error);
   }
   fmt::print("\n");
+  if (!info.trap.verdict.empty()) {
+    fmt::print("trap         {} (depth {:.2f} of width, views {:.0f} degrees apart, scattered by {:.0f})\n",
+               info.trap.verdict, info.trap.depth_ratio, info.trap.angle_deg, info.trap.scatter_deg);
+  }
   if (info.perspective != 0.0) fmt::print("perspective  {:.3f}\n", info.perspective);
   for (std::size_t i = 0; i < info.data_files.size(); ++i) {
     fmt::print("data         {} (fingerprint {})\n", info.data_files[i], info.data_fingerprints[i]);

@@ -97,6 +97,12 @@ void LifterImpl::Initialise(std::uint64_t seed) {
   }
 }
 
+void LifterImpl::ScaleRotations(double factor) {
+  const torch::NoGradGuard no_grad;
+  enc_rot_->weight.mul_(factor);
+  enc_rot_->bias.mul_(factor);
+}
+
 void LifterImpl::MirrorRows(const std::string& name, torch::Tensor& tensor) const {
   const torch::NoGradGuard no_grad;
   const int joints = joint_count_;

@@ -63,6 +63,10 @@ class LifterImpl : public torch::nn::Module {
   /// machine and version.
   void Initialise(std::uint64_t seed);
 
+  /// Multiplies the weights and the bias of the last rotation layer: an untrained network's rotations are then as much
+  /// more spread out.
+  void ScaleRotations(double factor);
+
   /// Turns the network into its depth mirror, exactly: with F = diag(1, 1, -1) every pose X becomes F X and every
   /// rotation F R F, so that each 2D reprojection stays as it is and each depth changes sign. Negates the z rows of the
   /// pose layer and, of the rotation layer, the x and y rows of a rotation vector or the z rows of the two columns.

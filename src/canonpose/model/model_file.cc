@@ -72,6 +72,12 @@ void WriteModelInfo(h5::Group& root, const ModelInfo& info) {
     root.SetString("ray", info.input.ray);
     root.SetString("focal", info.input.focal);
   }
+  if (!info.trap.verdict.empty()) {
+    root.SetString("trap_verdict", info.trap.verdict);
+    root.SetDouble("trap_depth_ratio", info.trap.depth_ratio);
+    root.SetDouble("trap_angle_deg", info.trap.angle_deg);
+    root.SetDouble("trap_scatter_deg", info.trap.scatter_deg);
+  }
   h5::Group skeleton = root.Create("skeleton");
   WriteSkeleton(skeleton, info.skeleton);
   h5::Group source = root.Create("source");
@@ -104,6 +110,10 @@ ModelInfo ReadModelInfo(const h5::Group& root) {
   info.mirror.slope = root.GetDouble("mirror_slope");
   info.mirror.slope_error = root.GetDouble("mirror_slope_error");
   info.perspective = root.GetDouble("perspective");
+  if (root.HasAttribute("trap_verdict")) {
+    info.trap = {root.GetString("trap_verdict"), root.GetDouble("trap_depth_ratio"), root.GetDouble("trap_angle_deg"),
+                 root.GetDouble("trap_scatter_deg")};
+  }
   info.skeleton = ReadSkeleton(root.Open("skeleton"));
   const h5::Group source = root.Open("source");
   info.source.format = source.GetString("format");

@@ -3,7 +3,9 @@
 //
 //   /            attributes format = "canonpose-model", version = 1 or 2, program_version, width, preset, options
 //   (JSON), seed, steps,
-//                mirror_decision, mirror_slope, mirror_slope_error, perspective; in version 2 also rotation, ray, focal
+//                mirror_decision, mirror_slope, mirror_slope_error, perspective; in version 2 also rotation, ray,
+//                focal; in either, where it was looked for, trap_verdict, trap_depth_ratio, trap_angle_deg,
+//                trap_scatter_deg
 //   /skeleton    as in a dataset file
 //   /source      attributes format, layout, confidence_scale, mapping: the kind of keypoint file it was trained on
 //   /data        attributes files, fingerprints: what it was trained on
@@ -39,6 +41,14 @@ struct InputForm {
       "guess";  ///< for that, guess: from the image size; known: solved or calibrated where there is one
 };
 
+/// Whether training without labels has settled in a solution that is none (train/trap.h).
+struct TrapFinding {
+  std::string verdict;       ///< "right", "suspicious", "trapped"; empty where nobody looked, as in older files
+  double depth_ratio = 0.0;  ///< depth of the poses over their width
+  double angle_deg = 0.0;    ///< median angle between two views of a frame
+  double scatter_deg = 0.0;  ///< of the relative rotation of two cameras about its mean; NaN where it is not known
+};
+
 struct ModelInfo {
   std::string program_version;
   Skeleton skeleton;
@@ -51,6 +61,7 @@ struct ModelInfo {
   std::uint64_t seed = 0;
   std::int64_t steps = 0;
   MirrorDecision mirror;
+  TrapFinding trap;
   double perspective = 0.0;                    ///< learned perspective factor k, 0 where none was learned
   std::vector<std::string> data_files;         ///< names without folders
   std::vector<std::string> data_fingerprints;  ///< hexadecimal, see Dataset::Fingerprint()

@@ -26,6 +26,7 @@ ModelFile Example() {
   model.info.seed = 7;
   model.info.steps = 1234;
   model.info.mirror = {"flipped", 0.15, 0.01};
+  model.info.trap = {"suspicious", 1.3, 95.0, 20.0};
   model.info.perspective = 0.8;
   model.info.data_files = {"data.h5"};
   model.info.data_fingerprints = {"0123456789abcdef"};
@@ -50,6 +51,10 @@ TEST(ModelFile, RoundTripKeepsEverything) {
   EXPECT_EQ(read.info.steps, 1234);
   EXPECT_EQ(read.info.mirror.decision, "flipped");
   EXPECT_EQ(read.info.mirror.slope, 0.15);
+  EXPECT_EQ(read.info.trap.verdict, "suspicious");
+  EXPECT_EQ(read.info.trap.depth_ratio, 1.3);
+  EXPECT_EQ(read.info.trap.angle_deg, 95.0);
+  EXPECT_EQ(read.info.trap.scatter_deg, 20.0);
   EXPECT_EQ(read.info.perspective, 0.8);
   EXPECT_EQ(read.info.data_fingerprints, model.info.data_fingerprints);
   ASSERT_EQ(read.parameters.size(), model.parameters.size());
@@ -84,6 +89,15 @@ TEST(ModelFile, RotationAndInputFormAreKeptAndOlderFilesHaveNone) {
   WriteModelFile(folder / "odd.cpm", model);
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadModelFile(folder / "odd.cpm"); }),
               AllOf(HasSubstr("attribute ray"), HasSubstr("off, root"), HasSubstr("sideways")));
+}
+
+TEST(ModelFile, OfBeforeTrapsWereLookedForIsReadable) {
+  const TemporaryFolder folder;
+  ModelFile model = Example();
+  model.info.trap = {};
+  WriteModelFile(folder / "model.cpm", model);
+  EXPECT_EQ(h5::File::OpenForReading(folder / "model.cpm").root().HasAttribute("trap_verdict"), false);
+  EXPECT_EQ(ReadModelFile(folder / "model.cpm").info.trap.verdict, "");
 }
 
 TEST(ModelFile, SameModelSameBits) {

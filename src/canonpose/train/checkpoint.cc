@@ -13,6 +13,44 @@ void WriteGroup(h5::Group& root, const std::string& name, const NamedArrays& arr
   WriteArrays(group, arrays);
 }
 
+void WriteState(h5::Group& group, const Checkpoint& checkpoint) {
+  WriteModelInfo(group, checkpoint.info);
+  group.SetDouble("sum_reprojection", checkpoint.sums.reprojection);
+  group.SetDouble("sum_view", checkpoint.sums.view);
+  group.SetDouble("sum_camera", checkpoint.sums.camera);
+  group.SetDouble("sum_total", checkpoint.sums.total);
+  group.SetInt("sum_steps", checkpoint.sums.steps);
+  group.SetInt("perspective_steps", checkpoint.perspective_steps);
+  WriteGroup(group, "parameters", checkpoint.parameters);
+  WriteGroup(group, "first_moments", checkpoint.first_moments);
+  WriteGroup(group, "second_moments", checkpoint.second_moments);
+  group.SetInt("restart", checkpoint.restarts.running);
+  const std::vector<double>& losses = checkpoint.restarts.losses;
+  if (!losses.empty()) group.Write<double>("restart_losses", losses, {losses.size()});
+  if (checkpoint.restarts.best) {
+    h5::Group best = group.Create("best_restart");
+    WriteState(best, *checkpoint.restarts.best);
+  }
+}
+
+Checkpoint ReadState(const h5::Group& group) {
+  Checkpoint checkpoint;
+  checkpoint.info = ReadModelInfo(group);
+  checkpoint.sums = {group.GetDouble("sum_reprojection"), group.GetDouble("sum_view"), group.GetDouble("sum_camera"),
+                     group.GetDouble("sum_total"), group.GetInt("sum_steps")};
+  checkpoint.perspective_steps = group.GetInt("perspective_steps");
+  checkpoint.parameters = ReadArrays(group.Open("parameters"));
+  checkpoint.first_moments = ReadArrays(group.Open("first_moments"));
+  checkpoint.second_moments = ReadArrays(group.Open("second_moments"));
+  // Checkpoints of earlier versions know no restarts.
+  if (group.HasAttribute("restart")) checkpoint.restarts.running = static_cast<int>(group.GetInt("restart"));
+  if (group.Has("restart_losses")) checkpoint.restarts.losses = group.Read<double>("restart_losses").values;
+  if (group.Has("best_restart")) {
+    checkpoint.restarts.best = std::make_shared<const Checkpoint>(ReadState(group.Open("best_restart")));
+  }
+  return checkpoint;
+}
+
 }  // namespace
 
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
@@ -20,16 +58,7 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   h5::Group& root = file.root();
   root.SetString("format", kFormat);
   root.SetInt("version", kVersion);
-  WriteModelInfo(root, checkpoint.info);
-  root.SetDouble("sum_reprojection", checkpoint.sums.reprojection);
-  root.SetDouble("sum_view", checkpoint.sums.view);
-  root.SetDouble("sum_camera", checkpoint.sums.camera);
-  root.SetDouble("sum_total", checkpoint.sums.total);
-  root.SetInt("sum_steps", checkpoint.sums.steps);
-  root.SetInt("perspective_steps", checkpoint.perspective_steps);
-  WriteGroup(root, "parameters", checkpoint.parameters);
-  WriteGroup(root, "first_moments", checkpoint.first_moments);
-  WriteGroup(root, "second_moments", checkpoint.second_moments);
+  WriteState(root, checkpoint);
   file.Commit();
 }
 
@@ -43,15 +72,7 @@ Checkpoint ReadCheckpoint(const std::filesystem::path& path) {
     root.Fail("attribute version", fmt::format("{}", kVersion), fmt::format("{}", version),
               "it was made by another version of this program: go on with that one or train again");
   }
-  Checkpoint checkpoint;
-  checkpoint.info = ReadModelInfo(root);
-  checkpoint.sums = {root.GetDouble("sum_reprojection"), root.GetDouble("sum_view"), root.GetDouble("sum_camera"),
-                     root.GetDouble("sum_total"), root.GetInt("sum_steps")};
-  checkpoint.perspective_steps = root.GetInt("perspective_steps");
-  checkpoint.parameters = ReadArrays(root.Open("parameters"));
-  checkpoint.first_moments = ReadArrays(root.Open("first_moments"));
-  checkpoint.second_moments = ReadArrays(root.Open("second_moments"));
-  return checkpoint;
+  return ReadState(root);
 }
 
 bool IsCheckpoint(const std::filesystem::path& path) {

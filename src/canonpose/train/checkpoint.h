@@ -5,6 +5,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <vector>
 
 #include "canonpose/model/model_file.h"
 
@@ -19,8 +21,19 @@ struct EpochSums {
   std::int64_t steps = 0;
 };
 
+struct Checkpoint;
+
+/// How far the short runs are of which the best is gone on with (TrainOptions::restarts).
+struct RestartState {
+  int running = 0;                         ///< the one that is running, or that was chosen
+  std::vector<double> losses;              ///< of view mixing, at the end of each that is finished
+  std::shared_ptr<const Checkpoint> best;  ///< the end of the best of them; none once they all are finished
+};
+
 /// HDF5: the model file's attributes and groups, attributes `step` and `epoch_sums`, and groups `first_moments` and
 /// `second_moments` beside `parameters`. The learned perspective factor is the parameter "perspective".
+/// While a run has restarts before it, also attribute `restart`, array `restart_losses` and group `best_restart`, laid
+/// out like the file itself.
 struct Checkpoint {
   ModelInfo info;  ///< info.steps is the number of steps done
   EpochSums sums;
@@ -28,6 +41,7 @@ struct Checkpoint {
   NamedArrays parameters;
   NamedArrays first_moments;
   NamedArrays second_moments;
+  RestartState restarts;
 };
 
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);

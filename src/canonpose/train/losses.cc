@@ -38,25 +38,28 @@ void AddViewPairs(const std::vector<const TrainingFrame*>& frames, const RowTabl
   }
 }
 
-/// The frames of one capture in a batch: row by frame and camera.
+/// The frames of one capture in a batch: row by frame and camera, and which frames may lend each other rotations.
 struct CaptureRows {
-  std::vector<std::vector<std::int64_t>> by_frame;  // [frame][camera], -1 where missing
+  std::vector<std::vector<std::int64_t>> by_frame;                    // [frame][camera], -1 where missing
+  std::map<std::int64_t, std::vector<std::size_t>> frames_of_window;  // indices into by_frame
 };
 
 void AddCameraPairs(const CaptureRows& capture, std::size_t cameras, const DrawPermutation& draw, PairList& pairs) {
-  const std::size_t frames = capture.by_frame.size();
   for (std::size_t i = 0; i < cameras; ++i) {
-    const std::vector<std::size_t> permutation = draw(frames);
     const std::size_t first = pairs.size();
-    for (std::size_t n = 0; n < frames; ++n) {
-      const auto& own = capture.by_frame[n];
-      const auto& other = capture.by_frame[permutation[n]];
-      for (std::size_t j = 0; j < cameras; ++j) {
-        if (j == i || own[i] < 0 || own[j] < 0 || other[i] < 0 || other[j] < 0) continue;
-        pairs.source.push_back(own[i]);
-        pairs.target.push_back(own[j]);
-        pairs.to.push_back(other[j]);
-        pairs.from.push_back(other[i]);
+    for (const auto& [window, frames] : capture.frames_of_window) {
+      if (frames.size() < 2) continue;
+      const std::vector<std::size_t> permutation = draw(frames.size());
+      for (std::size_t n = 0; n < frames.size(); ++n) {
+        const auto& own = capture.by_frame[frames[n]];
+        const auto& other = capture.by_frame[frames[permutation[n]]];
+        for (std::size_t j = 0; j < cameras; ++j) {
+          if (j == i || own[i] < 0 || own[j] < 0 || other[i] < 0 || other[j] < 0) continue;
+          pairs.source.push_back(own[i]);
+          pairs.target.push_back(own[j]);
+          pairs.to.push_back(other[j]);
+          pairs.from.push_back(other[i]);
+        }
       }
     }
     const std::size_t count = pairs.size() - first;
@@ -87,7 +90,7 @@ torch::Tensor WeightedError(const torch::Tensor& rotated, const PairList& pairs,
 
 BatchPairs MakeBatchPairs(const std::vector<const TrainingFrame*>& frames,
                           const std::vector<std::uint8_t>& static_captures, bool with_camera_loss,
-                          const DrawPermutation& draw_permutation) {
+                          const DrawPermutation& draw_permutation, const std::vector<std::int64_t>& windows) {
   BatchPairs pairs;
   const RowTable rows(frames);
   for (std::int64_t row = 0; row < rows.row_count; ++row) {
@@ -110,10 +113,12 @@ BatchPairs MakeBatchPairs(const std::vector<const TrainingFrame*>& frames,
     for (std::size_t v = 0; v < frame.views.size(); ++v) {
       by_camera[static_cast<std::size_t>(frame.views[v].camera)] = rows.first_row[n] + static_cast<std::int64_t>(v);
     }
-    captures[frame.capture].by_frame.push_back(std::move(by_camera));
+    CaptureRows& capture = captures[frame.capture];
+    capture.frames_of_window[windows.empty() ? 0 : windows[n]].push_back(capture.by_frame.size());
+    capture.by_frame.push_back(std::move(by_camera));
   }
   for (const auto& [capture, capture_rows] : captures) {
-    if (static_captures[static_cast<std::size_t>(capture)] == 0 || capture_rows.by_frame.size() < 2) continue;
+    if (windows.empty() && static_captures[static_cast<std::size_t>(capture)] == 0) continue;
     AddCameraPairs(capture_rows, camera_counts[capture], draw_permutation, pairs.camera);
   }
   return pairs;
@@ -186,6 +191,28 @@ Losses ComputeSupervisedLoss(const LifterOutput& output, const BatchTensors& bat
   losses.total = distance.sum() / torch::clamp_min(weight.sum(), 1e-6);
   losses.reprojection = losses.view = losses.camera = torch::zeros({}, losses.total.options());
   return losses;
+}
+
+Losses MeanLosses(const TrainingSet& set, std::size_t stride,
+                  const std::function<Losses(const std::vector<const TrainingFrame*>& frames)>& compute) {
+  const torch::NoGradGuard no_grad;
+  constexpr std::size_t kChunk = 512;
+  constexpr torch::Tensor Losses::*kAll[] = {&Losses::reprojection, &Losses::view, &Losses::camera, &Losses::total};
+  Losses mean;
+  for (const auto loss : kAll) mean.*loss = torch::zeros({}, torch::kFloat64);
+  double count = 0.0;
+  std::vector<const TrainingFrame*> frames;
+  for (std::size_t n = 0; n < set.frames.size(); n += stride) {
+    frames.push_back(&set.frames[n]);
+    if (frames.size() < kChunk && n + stride < set.frames.size()) continue;
+    const Losses losses = compute(frames);
+    const auto weight = static_cast<double>(frames.size());
+    for (const auto loss : kAll) mean.*loss += weight * (losses.*loss).item<double>();
+    count += weight;
+    frames.clear();
+  }
+  for (const auto loss : kAll) mean.*loss /= count;
+  return mean;
 }
 
 Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs,

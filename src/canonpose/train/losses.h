@@ -42,16 +42,17 @@ struct BatchPairs {
   PairList camera;        ///< sum over captures and source views, mean over frames and the other views
 };
 
-/// For every capture of the batch with more than one frame and every source camera, in that order: the permutation of
-/// the capture's frames in the batch (by their order in the batch).
+/// For every capture of the batch with more than one frame, every source camera and every window, in that order: the
+/// permutation of the capture's frames in the batch that lie in the window (by their order in the batch).
 using DrawPermutation = std::function<std::vector<std::size_t>(std::size_t count)>;
 
 /// The pairs of `frames` (whose rows are numbered 0 .. in the order of frames and views: row numbers of the batch, not
 /// of the set). Views that are missing leave out the pairs they would take part in. Camera pairs are made where
-/// `static_captures` allows and `with_camera_loss` asks for them.
+/// `static_captures` allows and `with_camera_loss` asks for them. `windows`, where it is given, has the number of a
+/// window for each of `frames`: camera pairs then join frames of one window alone, and cameras may move.
 BatchPairs MakeBatchPairs(const std::vector<const TrainingFrame*>& frames,
                           const std::vector<std::uint8_t>& static_captures, bool with_camera_loss,
-                          const DrawPermutation& draw_permutation);
+                          const DrawPermutation& draw_permutation, const std::vector<std::int64_t>& windows = {});
 
 /// Makes a row of a batch another; `set_row` is its number in the set.
 using RowChange = std::function<void(int set_row, const TrainingRow& row)>;
@@ -100,6 +101,10 @@ torch::Tensor PairErrors(const torch::Tensor& projected, const torch::Tensor& ke
 /// batch has weights, between P / |P| and the target, P the pose in the camera centred on the root, |.| the Frobenius
 /// norm over the joints whose target is known.
 Losses ComputeSupervisedLoss(const LifterOutput& output, const BatchTensors& batch, int root);
+
+/// The mean over every `stride`-th frame of a set of `compute`, the losses of some frames; without gradients.
+Losses MeanLosses(const TrainingSet& set, std::size_t stride,
+                  const std::function<Losses(const std::vector<const TrainingFrame*>& frames)>& compute);
 
 Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs,
                      const LossWeights& weights, const torch::Tensor& perspective, int root);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "canonpose/base/log.h"
 #include "canonpose/train/losses.h"
 
 namespace canonpose {
@@ -117,6 +118,37 @@ PerspectiveSlope MeasurePerspectiveSlope(Lifter& lifter, const TrainingSet& set,
     if (regression.Solve(slope)) slopes.push_back(slope);
   }
   return CombineSlopes(slopes);
+}
+
+bool UpdateMirrorDecision(const PerspectiveSlope& slope, const std::string& wish, MirrorDecision& decision) {
+  const bool decided_before = decision.decision != "undecided";
+  if (wish != "auto") {
+    if (decided_before) return false;
+    decision = {wish == "flip" ? "flipped by request" : "kept by request", slope.slope, slope.standard_error};
+    LogInfo("mirror: {}; perspective {}", decision.decision, slope.Describe());
+    return wish == "flip";
+  }
+  if (!slope.is_sure() && decided_before) {
+    LogInfo("mirror: {} at the warm-up, which stands ({} now tells too little)", decision.decision, slope.Describe());
+    return false;
+  }
+  if (!slope.is_sure()) {
+    decision = {"undecided", slope.slope, slope.standard_error};
+    LogWarning(
+        "mirror: perspective is too weak to tell the pose from its depth mirror ({}, {:.1f} standard errors; {} are "
+        "needed), or training found no good solution; try another --seed, or look at the poses and train again with "
+        "--mirror keep or --mirror flip",
+        slope.Describe(), slope.sureness(), PerspectiveSlope::kSure);
+    return false;
+  }
+  if (!decided_before || slope.is_mirrored()) {
+    decision = {slope.is_mirrored() ? "flipped" : "kept", slope.slope, slope.standard_error};
+  }
+  const char* what = "right, so kept";
+  if (decided_before) what = "confirmed after training";
+  if (slope.is_mirrored()) what = "mirrored, so flipped";
+  LogInfo("mirror: {} ({}, {:.1f} standard errors; negative is right)", what, slope.Describe(), slope.sureness());
+  return slope.is_mirrored();
 }
 
 }  // namespace canonpose

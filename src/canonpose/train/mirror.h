@@ -12,6 +12,7 @@
 #include <torch/torch.h>
 
 #include "canonpose/model/lifter.h"
+#include "canonpose/model/model_file.h"
 #include "canonpose/train/training_set.h"
 
 namespace canonpose {
@@ -52,5 +53,9 @@ PerspectiveSlope CombineSlopes(const std::vector<double>& slopes);
 /// The slope of a lifter on a training set, clip by clip. Poses are taken from one view and compared in the others,
 /// where the network could not bend them to the perspective it saw.
 PerspectiveSlope MeasurePerspectiveSlope(Lifter& lifter, const TrainingSet& set, int root, torch::Device device);
+
+/// Takes up what a slope says, and tells the user. `wish` is TrainOptions::mirror; a decision that was made before
+/// stands unless the slope is sure. Returns whether the network is to be turned round now.
+bool UpdateMirrorDecision(const PerspectiveSlope& slope, const std::string& wish, MirrorDecision& decision);
 
 }  // namespace canonpose

@@ -37,6 +37,11 @@ void VisitFields(Options& o, Visit&& visit) {
   visit("view_weight", o.view_weight, true);
   visit("camera_weight", o.camera_weight, true);
   visit("camera_consistency", o.camera_consistency, true);
+  visit("camera_window_seconds", o.camera_window_seconds, true);
+  visit("camera_window_end", o.camera_window_end, true);
+  visit("rotation_spread", o.rotation_spread, true);
+  visit("restarts", o.restarts, true);
+  visit("restart_steps", o.restart_steps, true);
   visit("perspective", o.perspective, true);
   visit("perspective_warmup", o.perspective_warmup, true);
   visit("perspective_learning_rate", o.perspective_learning_rate, true);
@@ -84,6 +89,10 @@ void ValidateSupervision(const TrainOptions& options) {
     }
     return;
   }
+  if (options.restarts > 1) {
+    ThrowUsage("restarts: they are chosen by the loss of view mixing, which supervision={} has not",
+               options.supervision);
+  }
   if (options.mirror != "auto") {
     ThrowUsage("mirror: with supervision={} there is none to decide; leave it out", options.supervision);
   }
@@ -108,12 +117,18 @@ void TrainOptions::Validate() const {
   require(weight_decay >= 0, "weight_decay", "0 or more", weight_decay);
   require(view_weight >= 0, "view_weight", "0 or more", view_weight);
   require(camera_weight >= 0, "camera_weight", "0 or more", camera_weight);
+  require(camera_window_seconds > 0, "camera_window_seconds", "more than 0", camera_window_seconds);
+  require(camera_window_end > 0 && camera_window_end <= 1, "camera_window_end", "more than 0, up to 1",
+          camera_window_end);
+  require(rotation_spread > 0, "rotation_spread", "more than 0", rotation_spread);
+  require(restarts >= 1 && restarts <= 1000, "restarts", "1 to 1000", restarts);
+  require(restart_steps >= 1, "restart_steps", "1 or more", restart_steps);
   require(perspective_warmup >= 0 && perspective_warmup <= 1, "perspective_warmup", "0 to 1", perspective_warmup);
   require(perspective_learning_rate > 0, "perspective_learning_rate", "more than 0", perspective_learning_rate);
   require(validation >= 0 && validation <= 0.5, "validation", "0 to 0.5", validation);
   require(threads >= 0, "threads", "0 or more", threads);
   require(checkpoint_seconds >= 0, "checkpoint_seconds", "0 or more", checkpoint_seconds);
-  RequireOneOf("camera_consistency", camera_consistency, {"off", "static"});
+  RequireOneOf("camera_consistency", camera_consistency, {"off", "static", "window"});
   RequireOneOf("perspective", perspective, {"off", "learned"});
   RequireOneOf("bootstrap", bootstrap, {"auto", "starter", "method"});
   RequireOneOf("mirror", mirror, {"auto", "keep", "flip"});

@@ -33,9 +33,17 @@ struct TrainOptions {
   /// on: with supervision=solved a joint counts the less the less sure it is, 1 / (1 + (s / median s)^2) with s the
   /// uncertainty of a joint relative to the size of its pose
   std::string uncertainty_weights = "off";
-  double view_weight = 1.0;                 ///< weight of view consistency
-  double camera_weight = 0.1;               ///< weight of camera consistency
-  std::string camera_consistency = "off";   ///< off; static: for captures whose cameras stand still
+  double view_weight = 1.0;    ///< weight of view consistency
+  double camera_weight = 0.1;  ///< weight of camera consistency
+  /// off; static: for captures whose cameras stand still; window: for all, among frames of a sequence that are not far
+  /// apart, while which even moving cameras turn little
+  std::string camera_consistency = "off";
+  double camera_window_seconds = 3.0;  ///< window: its length at first, in seconds
+  double camera_window_end = 0.5;      ///< share of the steps by which its length and its weight have fallen to zero
+  double rotation_spread = 1.0;        ///< the rotation layer's initial weights are multiplied by it
+  int restarts = 1;                    ///< short runs from different seeds, of which the best is gone on with
+  /// Length of each of them. At 500 steps a run that will be trapped still has the lesser loss (docs/results.md).
+  int restart_steps = 1000;
   std::string perspective = "off";          ///< off: weak perspective as published; learned: one factor k, learned
   double perspective_warmup = 0.3;          ///< share of the steps before k is set free
   double perspective_learning_rate = 0.01;  ///< of k alone

@@ -68,6 +68,15 @@ TEST(TrainOptions, MistakesAreNamed) {
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Set("width", "12.5"); }), HasSubstr("12.5"));
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Set("width", ""); }), HasSubstr("whole number"));
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Set("preset", "paper"); }), HasSubstr("--preset paper"));
+  options.camera_consistency = "windows";
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr("off, static, window"));
+  options.camera_consistency = "window";
+  options.camera_window_seconds = 0.0;
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr("camera_window_seconds"));
+  options.camera_window_seconds = 1.0;
+  options.restarts = 0;
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr("restarts"));
+  options.restarts = 1;
   options.perspective = "yes";
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr("off, learned"));
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [] { PresetOptions("papper"); }),

@@ -3,10 +3,12 @@
 #include <sstream>
 #include <string>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
+#include "canonpose/train/checkpoint.h"
 
 namespace canonpose {
 
@@ -33,15 +35,28 @@ void PrepareRunFolder(const fs::path& folder, bool resume, bool overwrite) {
   }
 }
 
-void DropLaterMetrics(const fs::path& path, std::int64_t step) {
+void DropLaterMetrics(const fs::path& path, std::int64_t step, int restarts_finished) {
   if (!fs::exists(path)) return;
   std::istringstream lines(ReadFile(path));
   std::string kept;
   for (std::string line; std::getline(lines, line);) {
     const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
-    if (json.is_object() && json.value("step", std::int64_t{0}) <= step && json.contains("step")) kept += line + "\n";
+    if (!json.is_object()) continue;
+    const bool is_before = json.contains("restart")
+                               ? json.value("restart", 0) < restarts_finished
+                               : json.contains("step") && json.value("step", std::int64_t{0}) <= step;
+    if (is_before) kept += line + "\n";
   }
   WriteFileAtomically(path, kept);
+}
+
+std::string KeepLastGoodModel(const fs::path& folder, const std::vector<std::string>& not_the_networks) {
+  if (!fs::exists(folder / "checkpoint.h5")) return "no good model was made";
+  Checkpoint last_good = ReadCheckpoint(folder / "checkpoint.h5");
+  for (const std::string& name : not_the_networks) last_good.parameters.erase(name);
+  const fs::path model = folder / "model.cpm";
+  if (last_good.info.steps > 0 || !fs::exists(model)) WriteModelFile(model, {last_good.info, last_good.parameters});
+  return fmt::format("the last good model, of step {}, is in {}", last_good.info.steps, model.string());
 }
 
 }  // namespace canonpose

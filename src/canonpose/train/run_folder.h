@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace canonpose {
 
@@ -10,7 +12,13 @@ namespace canonpose {
 /// `resume` nor `overwrite` says what to do with it.
 void PrepareRunFolder(const std::filesystem::path& folder, bool resume, bool overwrite);
 
-/// Removes the lines of metrics.jsonl that lie after a checkpoint's step: they will be written again.
-void DropLaterMetrics(const std::filesystem::path& path, std::int64_t step);
+/// Removes the lines of metrics.jsonl that lie after a checkpoint's step and those of restarts that were not finished
+/// then: they will be written again.
+void DropLaterMetrics(const std::filesystem::path& path, std::int64_t step, int restarts_finished);
+
+/// Makes model.cpm of the checkpoint, where there is one, and says so: "the last good model, of step 7, is in ...". An
+/// untrained network is no reason to replace a model that an earlier run left there. `not_the_networks`: parameters of
+/// the checkpoint that a model has not.
+std::string KeepLastGoodModel(const std::filesystem::path& folder, const std::vector<std::string>& not_the_networks);
 
 }  // namespace canonpose

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,13 +19,18 @@
 #include "canonpose/model/tensors.h"
 #include "canonpose/train/adam.h"
 #include "canonpose/train/augmentation.h"
+#include "canonpose/train/batch_order.h"
 #include "canonpose/train/checkpoint.h"
 #include "canonpose/train/data_checks.h"
 #include "canonpose/train/losses.h"
 #include "canonpose/train/mirror.h"
+#include "canonpose/train/optimiser_state.h"
+#include "canonpose/train/restarts.h"
 #include "canonpose/train/run_folder.h"
 #include "canonpose/train/schedule.h"
+#include "canonpose/train/streams.h"
 #include "canonpose/train/training_set.h"
+#include "canonpose/train/trap.h"
 
 namespace canonpose {
 namespace {
@@ -32,10 +38,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// What a generator is for, as its first stream number.
-enum Stream : std::uint64_t { kInitialisation = 1, kFrameOrder = 2, kPermutations = 3, kAugmentation = 4 };
-
 constexpr const char* kPerspectiveName = "perspective";
+
+/// Frames that restarts are compared on.
+constexpr std::size_t kComparedFrames = 2000;
 
 /// The state of a run and the steps of its life; Train() below is the plot.
 class TrainingRun {
@@ -52,6 +58,9 @@ class TrainingRun {
 
  private:
   [[nodiscard]] bool is_supervised() const { return options_.supervision != "none"; }
+  [[nodiscard]] RestartPlan plan() const { return {options_.restarts, options_.restart_steps, schedule_.steps()}; }
+  /// Seed of what is running: that of a restart where there are several.
+  [[nodiscard]] std::uint64_t seed() const { return RestartSeed(options_.seed, restarts_.running); }
   [[nodiscard]] bool wants_perspective() const { return options_.perspective == "learned"; }
   [[nodiscard]] std::int64_t warmup_steps() const {
     return static_cast<std::int64_t>(options_.perspective_warmup * static_cast<double>(schedule_.steps()));
@@ -63,13 +72,17 @@ class TrainingRun {
     return perspective_is_free_ ? perspective_ : torch::Tensor();
   }
 
-  std::vector<const TrainingFrame*> BatchOf(std::int64_t step);
   void TakeStep();
   Losses BatchLosses(std::int64_t step);
   void RequireSoundness();
   [[noreturn]] void StopAtBadLoss(const std::string& what);
+  void StartAfresh();
+  void EndRestart();
+  void RestoreState(const Checkpoint& checkpoint);
   void EndEpoch();
   [[nodiscard]] std::string DescribeLoss() const;
+  /// Over every n-th frame of a set, about `frames_wanted` of them, without camera consistency.
+  Losses MeanLossesOf(const TrainingSet& set, std::size_t frames_wanted);
   std::optional<double> ValidationLoss();
   void DecideMirror();
   void Mirror();
@@ -81,6 +94,7 @@ class TrainingRun {
   fs::path run_folder_;
   TrainingSplit split_;
   Schedule schedule_;
+  Batches batches_;
   Augmentation augmentation_;
   int root_;
   torch::Device device_;
@@ -92,20 +106,18 @@ class TrainingRun {
   ModelInfo info_;
   EpochSums sums_;
   std::int64_t step_ = 0;
-  int order_epoch_ = -1;
-  std::vector<std::size_t> order_;
+  RestartState restarts_;
   std::chrono::steady_clock::time_point epoch_start_ = std::chrono::steady_clock::now();
 };
 
-std::vector<std::pair<std::string, torch::Tensor>> NamedParameters(const Lifter& lifter) {
-  std::vector<std::pair<std::string, torch::Tensor>> parameters;
-  for (const auto& item : lifter->named_parameters()) parameters.emplace_back(item.key(), item.value());
-  return parameters;
+void InitialiseLifter(Lifter& lifter, const TrainOptions& options, std::uint64_t seed) {
+  lifter->Initialise(Rng(seed, {stream::kInitialisation}).Bits());
+  if (options.rotation_spread != 1.0) lifter->ScaleRotations(options.rotation_spread);
 }
 
 Lifter NewLifter(int joints, const TrainOptions& options, torch::Device device) {
   Lifter lifter(joints, options.width, RotationFormNamed(options.rotation));
-  lifter->Initialise(Rng(options.seed, {kInitialisation}).Bits());
+  InitialiseLifter(lifter, options, options.seed);
   lifter->to(device);
   return lifter;
 }
@@ -115,6 +127,7 @@ TrainingRun::TrainingRun(const TrainJob& job, TrainingSplit split)
       run_folder_(job.run_folder),
       split_(std::move(split)),
       schedule_(MakeSchedule(options_, split_.training.frames.size())),
+      batches_(split_.training, options_, schedule_),
       augmentation_(job.datasets, split_.training, options_),
       root_(job.datasets.front().skeleton.root),
       device_(options_.device == "cuda" ? torch::kCUDA : torch::kCPU),
@@ -136,86 +149,61 @@ TrainingRun::TrainingRun(const TrainJob& job, TrainingSplit split)
 }
 
 Checkpoint TrainingRun::MakeCheckpoint() const {
-  Checkpoint checkpoint{info_, sums_, perspective_adam_.step_count(), {}, {}, {}};
+  Checkpoint checkpoint{info_, sums_, perspective_adam_.step_count(), {}, {}, {}, {}};
   checkpoint.info.steps = step_;
   checkpoint.info.perspective = perspective_.item<double>();
-  for (const Adam* adam : {&adam_, &perspective_adam_}) {
-    for (const Adam::Parameter& parameter : adam->parameters()) {
-      checkpoint.parameters[parameter.name] = ToArray(parameter.value);
-      checkpoint.first_moments[parameter.name] = ToArray(parameter.first_moment);
-      checkpoint.second_moments[parameter.name] = ToArray(parameter.second_moment);
-    }
-  }
+  for (const Adam* adam : {&adam_, &perspective_adam_}) StoreOptimiser(*adam, checkpoint);
   return checkpoint;
 }
 
 void TrainingRun::Save() {
   RequireSoundness();
-  WriteCheckpoint(File("checkpoint.h5"), MakeCheckpoint());
+  Checkpoint checkpoint = MakeCheckpoint();
+  checkpoint.restarts = restarts_;
+  WriteCheckpoint(File("checkpoint.h5"), checkpoint);
 }
 
 void TrainingRun::Restore(const Checkpoint& checkpoint) {
-  const torch::NoGradGuard no_grad;
   const std::string file = File("checkpoint.h5").string();
   if (checkpoint.info.data_fingerprints != info_.data_fingerprints) {
     ThrowBadInput({file, "data fingerprints", fmt::format("{}", fmt::join(checkpoint.info.data_fingerprints, " ")),
                    fmt::format("{}", fmt::join(info_.data_fingerprints, " ")),
                    "resume with the data the run was started with, or train into another folder"});
   }
+  restarts_ = checkpoint.restarts;
+  RestoreState(checkpoint);
+}
+
+void TrainingRun::RestoreState(const Checkpoint& checkpoint) {
+  const std::string file = File("checkpoint.h5").string();
   LoadParameters(lifter_, checkpoint.parameters, file);
-  for (Adam* adam : {&adam_, &perspective_adam_}) {
-    for (Adam::Parameter& parameter : adam->parameters()) {
-      const auto restore = [&](const NamedArrays& arrays, torch::Tensor& tensor) {
-        const auto found = arrays.find(parameter.name);
-        if (found == arrays.end() || static_cast<std::int64_t>(found->second.values.size()) != tensor.numel()) {
-          ThrowBadInput(
-              {file, parameter.name, "the optimiser's state", "none that fits", "the file is damaged: train again"});
-        }
-        tensor.copy_(ToTensor(found->second).view(tensor.sizes()));
-      };
-      restore(checkpoint.parameters, parameter.value);
-      restore(checkpoint.first_moments, parameter.first_moment);
-      restore(checkpoint.second_moments, parameter.second_moment);
-    }
-  }
+  for (Adam* adam : {&adam_, &perspective_adam_}) RestoreOptimiser(checkpoint, file, *adam);
   step_ = checkpoint.info.steps;
   adam_.set_step_count(step_);
   perspective_adam_.set_step_count(checkpoint.perspective_steps);
   info_.mirror = checkpoint.info.mirror;
   sums_ = checkpoint.sums;
+  perspective_is_free_ = false;
   if (step_ > warmup_steps()) FreePerspectiveIfDecided();
 }
 
-std::vector<const TrainingFrame*> TrainingRun::BatchOf(std::int64_t step) {
-  if (order_epoch_ != epoch_of(step)) {
-    order_epoch_ = epoch_of(step);
-    order_ = Rng(options_.seed, {kFrameOrder, static_cast<std::uint64_t>(order_epoch_)})
-                 .Permutation(split_.training.frames.size());
-  }
-  const auto batch = static_cast<std::size_t>(options_.batch_frames);
-  const std::size_t first = static_cast<std::size_t>(step % schedule_.steps_per_epoch) * batch;
-  std::vector<const TrainingFrame*> frames;
-  for (std::size_t i = first; i < std::min(first + batch, order_.size()); ++i) {
-    frames.push_back(&split_.training.frames[order_[i]]);
-  }
-  return frames;
-}
-
 Losses TrainingRun::BatchLosses(std::int64_t step) {
-  const std::vector<const TrainingFrame*> frames = BatchOf(step);
+  const auto [frames, windows] = batches_.At(step, seed());
   if (is_supervised()) {
-    Rng rng(options_.seed, {kAugmentation, static_cast<std::uint64_t>(step)});
+    Rng rng(seed(), {stream::kAugmentation, static_cast<std::uint64_t>(step)});
     const RowChange change = [&](int row, const TrainingRow& copy) { augmentation_.Change(row, rng, copy); };
     const BatchTensors batch =
         GatherBatch(split_.training, frames, device_, augmentation_.any() ? change : RowChange());
     return ComputeSupervisedLoss(lifter_->forward(LifterInput(batch)), batch, root_);
   }
-  Rng permutations(options_.seed, {kPermutations, static_cast<std::uint64_t>(step)});
-  const BatchPairs pairs =
-      MakeBatchPairs(frames, split_.training.static_captures, options_.camera_consistency == "static",
-                     [&](std::size_t count) { return permutations.Permutation(count); });
   const BatchTensors batch = GatherBatch(split_.training, frames, device_);
-  const LossWeights weights{1.0, options_.view_weight, options_.camera_weight};
+  Rng permutations(seed(), {stream::kPermutations, static_cast<std::uint64_t>(step)});
+  const bool is_static = options_.camera_consistency == "static";
+  const double left = is_static ? 1.0 : WindowLeft(options_, schedule_, step);
+  const BatchPairs pairs = MakeBatchPairs(
+      frames, split_.training.static_captures, is_static || (left > 0.0 && !windows.empty()),
+      [&](std::size_t count) { return permutations.Permutation(count); }, windows);
+  const LossWeights weights{1.0, options_.view_weight, options_.camera_weight * left};
   return ComputeLosses(lifter_->forward(LifterInput(batch)), batch, pairs, weights, PerspectiveInLosses(), root_);
 }
 
@@ -256,17 +244,8 @@ void TrainingRun::RequireSoundness() {
 }
 
 void TrainingRun::StopAtBadLoss(const std::string& what) {
-  std::string kept = "no good model was made";
-  if (fs::exists(File("checkpoint.h5"))) {
-    Checkpoint last_good = ReadCheckpoint(File("checkpoint.h5"));
-    last_good.parameters.erase(kPerspectiveName);
-    // An untrained network is no reason to replace a model that an earlier run left here.
-    if (last_good.info.steps > 0 || !fs::exists(File("model.cpm"))) {
-      WriteModelFile(File("model.cpm"), {last_good.info, last_good.parameters});
-    }
-    kept = fmt::format("the last good model, of step {}, is in {}", last_good.info.steps, File("model.cpm").string());
-  }
-  ThrowComputation("{} of {}; {}; try again with a smaller --set learning_rate", what, schedule_.steps(), kept);
+  ThrowComputation("{} of {}; {}; try again with a smaller --set learning_rate", what, schedule_.steps(),
+                   KeepLastGoodModel(run_folder_, {kPerspectiveName}));
 }
 
 void TrainingRun::FreePerspectiveIfDecided() {
@@ -284,62 +263,61 @@ void TrainingRun::DecideMirror() {
     return;
   }
   const PerspectiveSlope slope = MeasurePerspectiveSlope(lifter_, split_.training, root_, device_);
-  const bool decided_before = info_.mirror.decision != "undecided";
-  if (options_.mirror != "auto") {
-    if (!decided_before) {
-      if (options_.mirror == "flip") Mirror();
-      info_.mirror = {options_.mirror == "flip" ? "flipped by request" : "kept by request", slope.slope,
-                      slope.standard_error};
-      LogInfo("mirror: {}; perspective {}", info_.mirror.decision, slope.Describe());
-    }
-    return;
-  }
-  if (!slope.is_sure() && decided_before) {
-    LogInfo("mirror: {} at the warm-up, which stands ({} now tells too little)", info_.mirror.decision,
-            slope.Describe());
-    return;
-  }
-  if (!slope.is_sure()) {
-    info_.mirror = {"undecided", slope.slope, slope.standard_error};
-    LogWarning(
-        "mirror: perspective is too weak to tell the pose from its depth mirror ({}, {:.1f} standard errors; {} are "
-        "needed), or training found no good solution; try another --seed, or look at the poses and train again with "
-        "--mirror keep or --mirror flip",
-        slope.Describe(), slope.sureness(), PerspectiveSlope::kSure);
-    return;
-  }
-  if (slope.is_mirrored()) Mirror();
-  if (!decided_before || slope.is_mirrored()) {
-    info_.mirror = {slope.is_mirrored() ? "flipped" : "kept", slope.slope, slope.standard_error};
-  }
-  const char* what = "right, so kept";
-  if (decided_before) what = "confirmed after training";
-  if (slope.is_mirrored()) what = "mirrored, so flipped";
-  LogInfo("mirror: {} ({}, {:.1f} standard errors; negative is right)", what, slope.Describe(), slope.sureness());
+  if (UpdateMirrorDecision(slope, options_.mirror, info_.mirror)) Mirror();
+}
+
+Losses TrainingRun::MeanLossesOf(const TrainingSet& set, std::size_t frames_wanted) {
+  const std::size_t stride = (set.frames.size() + frames_wanted - 1) / frames_wanted;
+  return MeanLosses(set, stride, [&](const std::vector<const TrainingFrame*>& frames) {
+    const BatchTensors batch = GatherBatch(set, frames, device_);
+    const LifterOutput output = lifter_->forward(LifterInput(batch));
+    if (is_supervised()) return ComputeSupervisedLoss(output, batch, root_);
+    return ComputeLosses(output, batch, MakeBatchPairs(frames, set.static_captures, false, nullptr),
+                         {1.0, options_.view_weight, 0.0}, PerspectiveInLosses(), root_);
+  });
 }
 
 std::optional<double> TrainingRun::ValidationLoss() {
-  const TrainingSet& set = split_.validation;
-  if (set.frames.empty()) return std::nullopt;
-  const torch::NoGradGuard no_grad;
-  constexpr std::size_t kChunk = 512;
-  double sum = 0.0;
-  for (std::size_t first = 0; first < set.frames.size(); first += kChunk) {
-    std::vector<const TrainingFrame*> frames;
-    for (std::size_t n = first; n < std::min(first + kChunk, set.frames.size()); ++n) frames.push_back(&set.frames[n]);
-    const BatchTensors batch = GatherBatch(set, frames, device_);
-    const LifterOutput output = lifter_->forward(LifterInput(batch));
-    const Losses losses =
-        is_supervised() ? ComputeSupervisedLoss(output, batch, root_)
-                        : ComputeLosses(output, batch, MakeBatchPairs(frames, set.static_captures, false, nullptr),
-                                        {1.0, options_.view_weight, 0.0}, PerspectiveInLosses(), root_);
-    sum += losses.total.item<double>() * static_cast<double>(frames.size());
+  if (split_.validation.frames.empty()) return std::nullopt;
+  return MeanLossesOf(split_.validation, split_.validation.frames.size()).total.item<double>();
+}
+
+void TrainingRun::StartAfresh() {
+  InitialiseLifter(lifter_, options_, seed());
+  perspective_.detach().zero_();
+  for (Adam* adam : {&adam_, &perspective_adam_}) ResetOptimiser(*adam);
+  perspective_is_free_ = false;
+  info_.mirror = {};
+  sums_ = {};
+  step_ = 0;
+}
+
+void TrainingRun::EndRestart() {
+  RequireSoundness();
+  const double loss = MeanLossesOf(split_.training, kComparedFrames).view.item<double>();
+  AppendLine(File("metrics.jsonl"), Json{{"restart", restarts_.running}, {"seed", seed()}, {"view", loss}}.dump());
+  LogInfo("restart {} of {}: loss of view mixing {:.4f}", restarts_.running + 1, options_.restarts, loss);
+  restarts_.losses.push_back(loss);
+  if (BestRestart(restarts_.losses) == restarts_.running) {
+    restarts_.best = std::make_shared<const Checkpoint>(MakeCheckpoint());
   }
-  return sum / static_cast<double>(set.frames.size());
+  if (plan().IsRunning(restarts_)) {
+    ++restarts_.running;
+    StartAfresh();
+    return;
+  }
+  restarts_.running = BestRestart(restarts_.losses);
+  RestoreState(*std::exchange(restarts_.best, nullptr));
+  LogInfo("going on with restart {}", restarts_.running + 1);
 }
 
 void TrainingRun::EndEpoch() {
   const auto now = std::chrono::steady_clock::now();
+  if (plan().IsRunning(restarts_)) {  // these epochs are not the run's unless it is chosen, and it has the like to come
+    epoch_start_ = now;
+    sums_ = {};
+    return;
+  }
   const auto steps = static_cast<double>(std::max<std::int64_t>(1, sums_.steps));
   Json line;
   line["epoch"] = epoch();
@@ -372,7 +350,7 @@ std::string TrainingRun::DescribeLoss() const {
 int TrainingRun::Run() {
   using Clock = std::chrono::steady_clock;
   const InterruptGuard interrupt;
-  Progress progress("step", schedule_.steps(), step_);
+  Progress progress("step", plan().StepsInAll(), plan().StepsDone(restarts_, step_));
   Clock::time_point last_save = Clock::now();
   while (step_ < schedule_.steps()) {
     if (wants_perspective() && step_ == warmup_steps()) {
@@ -381,9 +359,10 @@ int TrainingRun::Run() {
     }
     TakeStep();
     if (progress.IsDue()) {
-      progress.Update(step_, DescribeLoss());
+      progress.Update(plan().StepsDone(restarts_, step_), DescribeLoss());
     }
     if (step_ % schedule_.steps_per_epoch == 0) EndEpoch();
+    if (plan().IsRunning(restarts_) && step_ == plan().steps()) EndRestart();
     const bool is_due = std::chrono::duration<double>(Clock::now() - last_save).count() >= options_.checkpoint_seconds;
     if (is_due || interrupt.signal() != 0 || step_ == schedule_.steps()) {
       Save();
@@ -399,6 +378,8 @@ TrainReport TrainingRun::Finish() {
   DecideMirror();
   TrainReport report;
   report.validation_loss = ValidationLoss();
+  if (!is_supervised())
+    info_.trap = ReportTrap(MeasureTrapSigns(lifter_, split_.training, root_, device_), info_.input);
   info_.steps = step_;
   info_.perspective = perspective_.item<double>();
   WriteModelFile(File("model.cpm"), {info_, ParametersOf(lifter_)});
@@ -454,7 +435,8 @@ TrainReport Train(const TrainJob& job) {
   if (job.resume && fs::exists(checkpoint_path)) {
     const Checkpoint checkpoint = ReadCheckpoint(checkpoint_path);
     run.Restore(checkpoint);
-    DropLaterMetrics(job.run_folder / "metrics.jsonl", checkpoint.info.steps);
+    DropLaterMetrics(job.run_folder / "metrics.jsonl", checkpoint.info.steps,
+                     static_cast<int>(checkpoint.restarts.losses.size()));
     LogInfo("going on after step {}", checkpoint.info.steps);
   } else {
     run.Save();

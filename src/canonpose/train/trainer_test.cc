@@ -79,6 +79,29 @@ TEST(MakeTrainingSplit, HoldsOutTheEndOfEveryStretchAndLeavesOutLoneViews) {
   EXPECT_EQ(split.training.frames[7].views[0].camera, 1);
 }
 
+TEST(MakeTrainingSplit, KeepsTheTurnOfEveryRow) {
+  Dataset dataset = PuppetShow(20, 3);
+  for (CameraView& view : dataset.sequences[0].cameras) {  // the puppet walks through the picture
+    for (std::size_t i = 0; i < view.keypoints.size(); ++i) {
+      view.keypoints[i] += (i % 2 == 0 ? 20.0F : -8.0F) * static_cast<float>(i / (2 * kJoints));
+    }
+  }
+  dataset.sequences[0].cameras[0].confidence[7 * kJoints] = 0.0F;  // the root: a missing view
+  dataset.sequences[0].cameras[1].confidence[7 * kJoints] = 0.0F;  // and with it the frame
+  EXPECT_TRUE(MakeTrainingSplit({dataset}, 0.0).training.turned_from_camera.empty());
+  const TrainingSet set = MakeTrainingSplit({dataset}, 0.0, {TrainingTarget::kViews, {"root", "guess"}}).training;
+  ASSERT_EQ(set.row_count(), 19 * 3);
+  ASSERT_EQ(set.turned_from_camera.size(), 19U * 3U);
+  for (std::size_t row = 0; row < set.turned_from_camera.size(); ++row) {
+    const RowSource& source = set.sources[row];
+    const CameraView& view = dataset.sequences[0].cameras[static_cast<std::size_t>(source.camera)];
+    const float* root = &view.keypoints[static_cast<std::size_t>(source.frame) * kJoints * 2];
+    const float focal = std::hypot(1000.0F, 1000.0F);
+    const Eigen::Vector3f ray = Eigen::Vector3f((root[0] - 500) / focal, (root[1] - 500) / focal, 1.0F).normalized();
+    EXPECT_LT((set.turned_from_camera[row] * ray - Eigen::Vector3f::UnitZ()).norm(), 1e-5F) << row;
+  }
+}
+
 TEST(MakeTrainingSplit, NamedCapturesAreSharedByFilesOthersAreNot) {
   std::vector<Dataset> datasets = {PuppetShow(10, 2), PuppetShow(10, 2)};
   EXPECT_EQ(MakeTrainingSplit(datasets, 0.0).training.static_captures.size(), 1U);
@@ -112,14 +135,29 @@ TrainJob AugmentedJob(const TemporaryFolder& folder, const std::string& name) {
   return job;
 }
 
-class TrainInPieces : public ::testing::TestWithParam<bool> {};
+/// Learns from moving views alone with what goes together with windows, which close before the end.
+TrainJob WindowedJob(const TemporaryFolder& folder, const std::string& name) {
+  TrainJob job = Job(folder, name);
+  job.datasets[0].sequences[0].static_cameras = false;
+  job.options.camera_consistency = "window";
+  job.options.camera_window_seconds = 0.5;
+  job.options.camera_window_end = 0.8;
+  job.options.rotation = "6d";
+  job.options.rotation_spread = 4.0;
+  job.options.schedule = "cosine";
+  return job;
+}
 
-INSTANTIATE_TEST_SUITE_P(Train, TrainInPieces, ::testing::Values(false, true),
-                         [](const auto& is_augmented) { return is_augmented.param ? "augmented" : "plain"; });
+class TrainInPieces : public ::testing::TestWithParam<std::string> {};
+
+INSTANTIATE_TEST_SUITE_P(Train, TrainInPieces, ::testing::Values("plain", "augmented", "windowed"),
+                         [](const auto& kind) { return kind.param; });
 
 TEST_P(TrainInPieces, InterruptedAndResumedGivesTheSameBitsAndMetrics) {
   const TemporaryFolder folder;
-  TrainJob job = GetParam() ? AugmentedJob(folder, "whole") : Job(folder, "whole");
+  TrainJob job = GetParam() == "augmented"  ? AugmentedJob(folder, "whole")
+                 : GetParam() == "windowed" ? WindowedJob(folder, "whole")
+                                            : Job(folder, "whole");
   job.options.epochs = 60;
   Train(job);
   job.run_folder = folder / "pieces";
@@ -173,6 +211,7 @@ TEST(Train, LearnsTheBodyTheRightWayRoundForEverySeed) {
     flipped += report.model.mirror.decision == "flipped" ? 1 : 0;
     EXPECT_NE(report.model.mirror.decision, "undecided") << seed;
     EXPECT_GT(report.model.perspective, 0.2) << seed;
+    EXPECT_EQ(report.model.trap.verdict, "right") << seed;
 
     Lifter lifter = MakeLifter(ReadModelFile(job.run_folder), "model.cpm", torch::kCPU);
     EXPECT_GT(DepthCorrelation(lifter, job.datasets[0]), 0.95) << seed;
@@ -199,6 +238,7 @@ TEST(Train, WithTruthDepthsAreLearnedTheRightWayRound) {
   job.options.learning_rate = 2e-3;
   const TrainReport report = Train(job);
   EXPECT_EQ(report.model.mirror.decision, "known from the truth");
+  EXPECT_EQ(report.model.trap.verdict, "");
   Lifter lifter = MakeLifter(ReadModelFile(job.run_folder), "model.cpm", torch::kCPU);
   EXPECT_GT(DepthCorrelation(lifter, PuppetShow(120, 2, /*seed=*/2)), 0.9);
 
@@ -218,6 +258,62 @@ TEST(Train, SupervisionWithoutTruthIsRefused) {
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("run `canonpose solve` first"));
   job.options.perspective = "learned";
   EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { Train(job); }), HasSubstr("supervision"));
+}
+
+TEST(Train, RotationsStartSpreadOutExactly) {
+  const TemporaryFolder folder;
+  TrainJob job = Job(folder, "plain", "paper");
+  job.options.epochs = 1;
+  job.options.learning_rate = 1e-30;  // training leaves all weights as they are
+  job.options.mirror = "keep";
+  Train(job);
+  job.run_folder = folder / "spread";
+  job.options.rotation_spread = 10.0;
+  Train(job);
+  const ModelFile plain = ReadModelFile(folder / "plain");
+  const ModelFile spread = ReadModelFile(folder / "spread");
+  for (const auto& [name, array] : plain.parameters) {
+    const float factor = name.starts_with("enc_rot.") ? 10.0F : 1.0F;
+    for (std::size_t i = 0; i < array.values.size(); ++i) {
+      ASSERT_EQ(spread.parameters.at(name).values[i], factor * array.values[i]) << name << "[" << i << "]";
+    }
+  }
+}
+
+TEST(Train, CameraConsistencyWithinWindowsServesMovingCamerasAndIsResumable) {
+  const TemporaryFolder folder;
+  TrainJob job = Job(folder, "window", "paper");
+  job.datasets[0].sequences[0].static_cameras = false;
+  job.options.camera_consistency = "window";
+  job.options.camera_window_seconds = 0.5;
+  Train(job);
+  std::istringstream metrics(ReadFile(job.run_folder / "metrics.jsonl"));
+  std::vector<double> camera;
+  for (std::string line; std::getline(metrics, line);) {
+    const std::size_t at = line.find("\"camera\":") + 9;
+    camera.push_back(std::stod(line.substr(at)));
+  }
+  ASSERT_EQ(camera.size(), 20U);
+  EXPECT_GT(camera.front(), 0.0);
+  EXPECT_EQ(camera.back(), 0.0);  // the window has closed
+
+  TrainJob pieces = job;
+  pieces.run_folder = folder / "pieces";
+  pieces.options.checkpoint_seconds = 0.0;
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    std::thread interrupter([attempt] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50 + 10 * attempt));
+      std::raise(SIGTERM);
+    });
+    const auto before = std::signal(SIGTERM, SIG_IGN);
+    const int interrupted_by = Train(pieces).interrupted_by;
+    interrupter.join();
+    std::signal(SIGTERM, before);
+    pieces.resume = true;
+    if (interrupted_by == 0) break;
+  }
+  EXPECT_EQ(ReadModelFile(folder / "window").parameters.at("upscale.weight").values,
+            ReadModelFile(folder / "pieces").parameters.at("upscale.weight").values);
 }
 
 TEST(Train, MirrorByRequestIsTheExactMirror) {

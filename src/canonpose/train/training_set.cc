@@ -24,6 +24,8 @@ constexpr int kClipsWanted = 8;
 /// training frame.
 constexpr int kValidationStretch = 50;
 
+constexpr double kUnknownFramesPerSecond = 30.0;
+
 bool IsHeldOut(int frame, int frame_count, double share) {
   const int first = frame / kValidationStretch * kValidationStretch;
   const int length = std::min(kValidationStretch, frame_count - first);
@@ -54,11 +56,13 @@ class Builder {
     split_.training.static_captures.resize(std::max<std::size_t>(split_.training.static_captures.size(), capture + 1),
                                            1);
     if (!sequence.static_cameras) split_.training.static_captures[static_cast<std::size_t>(capture)] = 0;
+    const double fps = sequence.fps > 0.0 ? sequence.fps : kUnknownFramesPerSecond;
     for (int t = 0; t < sequence.frame_count; ++t) {
       TrainingSet& set = IsHeldOut(t, sequence.frame_count, validation_share) ? split_.validation : split_.training;
       source.frame = t;
-      AddFrame(sequence, source, {capture, clip_base_ + t / clip_frames_, {}}, cameras, set);
+      AddFrame(sequence, source, {capture, clip_base_ + t / clip_frames_, {}, sequence_number_, t / fps}, cameras, set);
     }
+    ++sequence_number_;
     clip_base_ += sequence.frame_count / clip_frames_ + 1;
   }
 
@@ -75,6 +79,7 @@ class Builder {
       set.confidence.insert(set.confidence.end(), pose_.confidence.begin(), pose_.confidence.end());
       source.camera = static_cast<int>(&view - sequence.cameras.data());
       set.sources.push_back(source);
+      if (form_.input.ray != "off") set.turned_from_camera.push_back(turned_from_camera_.cast<float>());
     }
     if (frame.views.size() >= (with_target ? 1U : 2U)) {
       set.frames.push_back(std::move(frame));
@@ -84,6 +89,7 @@ class Builder {
     set.keypoints.resize(first_row * 2 * joints);
     set.confidence.resize(first_row * joints);
     set.sources.resize(first_row);
+    if (form_.input.ray != "off") set.turned_from_camera.resize(first_row);
     ++split_.frames_left_out;
   }
 
@@ -113,6 +119,7 @@ class Builder {
   RowForm form_;
   PoseInput input_;
   int clip_base_ = 0;
+  int sequence_number_ = 0;
   Numbering captures_;
   std::map<int, Numbering> cameras_;
   NormalisedPose pose_;

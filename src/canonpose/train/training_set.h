@@ -24,6 +24,8 @@ struct TrainingFrame {
   int capture = 0;  ///< frames of one capture share their cameras
   int clip = 0;     ///< consecutive frames of one sequence, the unit that statistics are averaged over
   std::vector<TrainingView> views;
+  int sequence = 0;      ///< number of its sequence, counted over all datasets
+  double seconds = 0.0;  ///< since the sequence's first frame; 30 frames a second where the rate is unknown
 };
 
 /// Where a row of a set comes from: indices into the datasets, their sequences and cameras, and the frame.
@@ -43,6 +45,8 @@ struct TrainingSet {
   std::vector<float> target;
   std::vector<float> target_weight;  ///< (N, J) how much a joint of the target counts; empty: all the same
   std::vector<RowSource> sources;    ///< (N)
+  /// (N) the turn that brings a row's root onto the optical axis (model/pose_input.h); empty where nothing is turned.
+  std::vector<Eigen::Matrix3f> turned_from_camera;
   std::vector<TrainingFrame> frames;
   std::vector<std::uint8_t> static_captures;  ///< per capture: whether its cameras stand still
 

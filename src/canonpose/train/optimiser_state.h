@@ -1,0 +1,29 @@
+// An optimiser's parameters and moments in a checkpoint.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <torch/torch.h>
+
+#include "canonpose/model/lifter.h"
+#include "canonpose/train/adam.h"
+#include "canonpose/train/checkpoint.h"
+
+namespace canonpose {
+
+/// All parameters of a network, in its order.
+std::vector<std::pair<std::string, torch::Tensor>> NamedParameters(const Lifter& lifter);
+
+/// Adds the values and moments of all parameters.
+void StoreOptimiser(const Adam& adam, Checkpoint& checkpoint);
+
+/// Takes them back; the step count is not among them. Throws Error(kBadInput) naming `file` where one is missing or of
+/// another size.
+void RestoreOptimiser(const Checkpoint& checkpoint, const std::string& file, Adam& adam);
+
+/// Forgets all moments and steps.
+void ResetOptimiser(Adam& adam);
+
+}  // namespace canonpose

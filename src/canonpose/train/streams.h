@@ -1,0 +1,14 @@
+// What training draws random numbers for: the first stream number of its generators (base/random.h), each used once.
+#pragma once
+
+#include <cstdint>
+
+namespace canonpose::stream {
+
+inline constexpr std::uint64_t kInitialisation = 1;
+inline constexpr std::uint64_t kFrameOrder = 2;      ///< and the epoch
+inline constexpr std::uint64_t kPermutations = 3;    ///< and the step
+inline constexpr std::uint64_t kAugmentation = 4;    ///< and the step
+inline constexpr std::uint64_t kRestartSeeds = 101;  ///< and the restart
+
+}  // namespace canonpose::stream

@@ -5,13 +5,17 @@
 #include <numeric>
 
 #include <dlfcn.h>
+#include <fmt/format.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/parallel.h"
 #include "canonpose/base/progress.h"
 #include "canonpose/solve/calibration.h"
+#include "canonpose/solve/camera_check.h"
+#include "canonpose/solve/diagnosis.h"
 #include "canonpose/solve/initialisation.h"
+#include "canonpose/solve/swaps.h"
 #include "canonpose/solve/windows.h"
 
 namespace canonpose {
@@ -38,23 +42,65 @@ class OneLinearAlgebraThread {
   int before_ = 0;
 };
 
-Solution SolveCapture(const CaptureObservations& capture, const SolveOptions& options) {
+/// The report of a capture that was solved.
+void FinishReport(const CaptureObservations& capture, const Solution& solution, const SolveOptions& options,
+                  const CameraCheck& check, int swaps_mended, CaptureReport& report) {
+  report = MakeReport(capture, solution, options.mirror);
+  report.swaps_mended = swaps_mended;
+  for (std::size_t v = 0; v < capture.cameras.size(); ++v) {
+    if (check.dropped[v]) report.cameras[v].why_not_used = "does not show the same person, or not at the same time";
+    for (std::size_t clip = 0; clip < capture.clips.size(); ++clip) {
+      const int frames = check.offsets[clip][v];
+      if (frames != 0) report.offsets.push_back({static_cast<int>(clip), capture.cameras[v].name, frames});
+    }
+  }
+  if (options.mirror == "auto" && std::abs(solution.mirror_sigma) < kSureSigma) {
+    report.warnings.emplace_back(
+        "perspective does not tell whether depth is the right way round; it is as the lifter sees it");
+  }
+}
+
+/// A capture's solution; what was found about it on the way is told in `report`. `capture` is mended: cameras out of
+/// step, of somebody else, left and right exchanged.
+Solution SolveCapture(CaptureObservations& capture, const SolveOptions& options, CaptureReport& report,
+                      CameraCheck& check) {
+  report.name = capture.name;
+  report.static_cameras = capture.static_cameras;
+  report.frames = capture.frame_count;
+  report.failure = MissingInput(capture);
+  if (!report.failure.empty()) return {};
   const int threads = ThreadsToUse(options.threads);
   const CalibrationOptions calibration{options.mirror, options.calibration_frames, threads};
+  const Calibrate calibrate = [&](const CaptureObservations& mended) {
+    return mended.static_cameras ? CalibrateStatic(mended, calibration) : CalibrateMoving(mended, calibration);
+  };
+  Solution solution = calibrate(capture);
+  check = CheckCameras(capture, calibrate, solution);
   if (!capture.static_cameras) {
-    Solution solution = CalibrateMoving(capture, calibration);
     SolveWindows(capture, options.window_frames, threads, solution);
+    report.failure = Implausible(MeasurePlausibility(capture, solution));
+    if (!report.failure.empty()) return solution;
+    const int swaps = MendSwaps(capture, solution, threads);
+    if (swaps > 0) SolveWindows(capture, options.window_frames, threads, solution);
+    FinishReport(capture, solution, options, check, swaps, report);
     return solution;
   }
-  Solution solution = CalibrateStatic(capture, calibration);
   std::vector<int> frames(static_cast<std::size_t>(capture.frame_count));
   std::iota(frames.begin(), frames.end(), 0);
-  for (const int frame : frames) {
-    TriangulateFrame(capture, frame, solution.scales, solution.mirrored, solution.estimate);
-  }
-  solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+  const auto triangulate = [&] {
+    for (const int frame : frames) {
+      TriangulateFrame(capture, frame, solution.scales, solution.mirrored, solution.estimate);
+    }
+    solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+  };
+  triangulate();
+  report.failure = Implausible(MeasurePlausibility(capture, solution));
+  if (!report.failure.empty()) return solution;
+  const int swaps = MendSwaps(capture, solution, threads);
+  if (swaps > 0) triangulate();
   solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
   SolveWindows(capture, options.window_frames, threads, solution);
+  FinishReport(capture, solution, options, check, swaps, report);
   return solution;
 }
 
@@ -92,13 +138,14 @@ void WriteCameras(const CaptureObservations& capture, const RigEstimate& estimat
 }
 
 void WriteView(const CaptureObservations& capture, const Solution& solution, const std::vector<float>& uncertainty,
-               const ClipRange& clip, int v, CameraView& view) {
+               const ClipRange& clip, int v, int offset_frames, CameraView& view) {
   const auto joints = static_cast<std::size_t>(capture.joint_count());
   const std::size_t values = static_cast<std::size_t>(clip.count) * joints;
   view.solved.assign(3 * values, std::nanf(""));
   view.solved_uncertainty.assign(values, std::nanf(""));
   for (int t = 0; t < clip.count; ++t) {
-    const int frame = clip.first + t;
+    const int frame = clip.first + t + offset_frames;  // in its own time, the camera's keypoints being as recorded
+    if (frame < clip.first || frame >= clip.first + clip.count) continue;
     if (!solution.estimate.CameraAt(frame, v).valid) continue;
     for (std::size_t j = 0; j < joints; ++j) {
       const Eigen::Vector3d p = solution.estimate.InCamera(frame, v, static_cast<int>(j));
@@ -113,19 +160,43 @@ void WriteView(const CaptureObservations& capture, const Solution& solution, con
   WriteCameras(capture, solution.estimate, clip, v, view);
 }
 
-void WriteSolution(const CaptureObservations& capture, const Solution& solution, Dataset& dataset) {
+void WriteSolution(const CaptureObservations& capture, const Solution& solution, const CameraCheck& check,
+                   Dataset& dataset) {
   std::vector<float> uncertainty;
   for (int n = 0; n < capture.frame_count; ++n) {
     for (int j = 0; j < capture.joint_count(); ++j) {
       uncertainty.push_back(static_cast<float>(JointUncertainty(capture, n, j, solution)));
     }
   }
-  for (const ClipRange& clip : capture.clips) {
+  for (std::size_t c = 0; c < capture.clips.size(); ++c) {
+    const ClipRange& clip = capture.clips[c];
     for (CameraView& view : dataset.sequences[clip.sequence].cameras) {
       const auto camera = std::ranges::find(capture.cameras, view.name, &ObservedCamera::name);
-      WriteView(capture, solution, uncertainty, clip, static_cast<int>(camera - capture.cameras.begin()), view);
+      const auto v = static_cast<std::size_t>(camera - capture.cameras.begin());
+      WriteView(capture, solution, uncertainty, clip, static_cast<int>(v), check.offsets[c][v], view);
     }
   }
+}
+
+/// A capture that was not solved: NaN where poses would be.
+void WriteNothing(const CaptureObservations& capture, Dataset& dataset) {
+  for (const ClipRange& clip : capture.clips) {
+    for (CameraView& view : dataset.sequences[clip.sequence].cameras) {
+      view.solved.assign(3 * view.confidence.size(), std::nanf(""));
+      view.solved_uncertainty.assign(view.confidence.size(), std::nanf(""));
+    }
+  }
+}
+
+/// Throws where no capture was solved, with the reason of each.
+void RequireOneSolved(const SolveReport& report) {
+  std::string reasons;
+  for (const CaptureReport& capture : report.captures) {
+    if (capture.failure.empty()) return;
+    if (!reasons.empty()) reasons += "; ";
+    reasons += fmt::format("{}: {}", capture.name, capture.failure);
+  }
+  ThrowComputation("nothing could be solved: {}", reasons);
 }
 
 }  // namespace
@@ -148,15 +219,21 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
       view.solved_calibration.clear();
     }
   }
-  const std::vector<CaptureObservations> captures = CollectCaptures(dataset, start);
+  std::vector<CaptureObservations> captures = CollectCaptures(dataset, start);
   SolveReport report;
   Progress progress("solve", static_cast<long>(captures.size()));
-  for (const CaptureObservations& capture : captures) {
+  for (CaptureObservations& capture : captures) {
     progress.Update(static_cast<long>(report.captures.size()), capture.name);
-    const Solution solution = SolveCapture(capture, options);
-    WriteSolution(capture, solution, dataset);
-    report.captures.push_back(MakeReport(capture, solution, options.mirror));
+    CaptureReport& of_capture = report.captures.emplace_back();
+    CameraCheck check;
+    const Solution solution = SolveCapture(capture, options, of_capture, check);
+    if (of_capture.failure.empty()) {
+      WriteSolution(capture, solution, check, dataset);
+    } else {
+      WriteNothing(capture, dataset);
+    }
   }
+  RequireOneSolved(report);
   return report;
 }
 

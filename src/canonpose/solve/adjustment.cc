@@ -14,6 +14,9 @@
 namespace canonpose {
 namespace {
 
+/// How far the logarithm of a view's image scale may be from the start's.
+constexpr double kLogScale = 0.3;
+
 /// Builds the problem term by term; Adjust() below is the plot.
 class AdjustmentProblem {
  public:
@@ -190,6 +193,11 @@ void AdjustmentProblem::AddFocalPriors() {
     for (int v = 0; v < capture_.view_count(); ++v) {
       CameraEstimate& camera = estimate_.CameraAt(frames_[static_cast<std::size_t>(i)], v);
       if (!camera.valid) continue;
+      if (!estimate_.static_cameras && problem_.HasParameterBlock(camera.placement.data())) {
+        // Weak, for views that see too little to tell: where the start had it.
+        problem_.AddResidualBlock(ScalePriorTerm::Create(camera.placement[2], 1.0 / kLogScale), nullptr,
+                                  camera.placement.data());
+      }
       const std::vector<double>& expected = options_.scales.expected_log_focal;
       problem_.AddResidualBlock(PriorTerm::Create(expected.empty() ? 0.0 : expected[static_cast<std::size_t>(v)],
                                                   weight / options_.scales.log_focal),

@@ -136,48 +136,6 @@ std::vector<Eigen::Vector3d> ChainTranslations(const CaptureObservations& captur
   return root;
 }
 
-/// A joint from the views that see it; NaN from fewer than two.
-Eigen::Vector3d TriangulateJoint(const CaptureObservations& capture, int frame, int joint,
-                                 const AdjustmentScales& scales, const RigEstimate& estimate) {
-  constexpr int kRounds = 5;
-  constexpr double kLossScale = 3.0;
-  struct Ray {
-    Eigen::Matrix3d rotation;
-    Eigen::Vector3d translation;
-    Eigen::Vector2d direction;  ///< (x, y) / z
-    double scatter;
-    double weight = 1.0;
-  };
-  std::vector<Ray> rays;
-  for (int v = 0; v < capture.view_count(); ++v) {
-    const CameraEstimate& camera = estimate.CameraAt(frame, v);
-    if (!camera.valid || !capture.Sees(frame, v, joint)) continue;
-    rays.push_back({camera.Rotation(), estimate.Translation(frame, v), capture.At(frame, v, joint) / camera.Focal(),
-                    scales.observation.Scatter(joint, capture.confidence[capture.Index(frame, v, joint)])});
-  }
-  Eigen::Vector3d point = Eigen::Vector3d::Constant(std::nan(""));
-  for (int round = 0; rays.size() >= 2 && round < kRounds; ++round) {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (const Ray& ray : rays) {
-      for (int axis = 0; axis < 2; ++axis) {
-        const Eigen::Vector3d row = (ray.rotation.row(axis) - ray.direction[axis] * ray.rotation.row(2)).transpose();
-        const double weight = ray.weight / (ray.scatter * ray.scatter);
-        normal += weight * row * row.transpose();
-        right += weight * row * (ray.direction[axis] * ray.translation.z() - ray.translation[axis]);
-      }
-    }
-    point = normal.ldlt().solve(right);
-    for (Ray& ray : rays) {
-      const Eigen::Vector3d p = ray.rotation * point + ray.translation;
-      // At the joint's depth, in body units; the rows above are of that size.
-      const double error = (p.head<2>() - ray.direction * p.z()).norm() / ray.scatter;
-      ray.weight = 1.0 / (1.0 + std::pow(error / kLossScale, 2));
-    }
-  }
-  return point;
-}
-
 /// Joints that one view alone sees: beside their parent in the direction that the lifter gives them. Parents need not
 /// stand before their children in the skeleton, hence the rounds.
 void FillFromStart(const CaptureObservations& capture, int frame, bool mirrored, RigEstimate& estimate) {
@@ -291,10 +249,52 @@ RigEstimate InitialiseMoving(const CaptureObservations& capture, std::span<const
   return estimate;
 }
 
+Triangulation TriangulateJoint(const CaptureObservations& capture, int frame, int joint, const AdjustmentScales& scales,
+                               const RigEstimate& estimate, int left_out_view) {
+  constexpr int kRounds = 5;
+  constexpr double kWideLossScale = 3.0;
+  struct Ray {
+    Eigen::Matrix3d rotation;
+    Eigen::Vector3d translation;
+    Eigen::Vector2d direction;  ///< (x, y) / z
+    double scatter;
+    double weight = 1.0;
+  };
+  std::vector<Ray> rays;
+  for (int v = 0; v < capture.view_count(); ++v) {
+    const CameraEstimate& camera = estimate.CameraAt(frame, v);
+    if (v == left_out_view || !camera.valid || !capture.Sees(frame, v, joint)) continue;
+    rays.push_back({camera.Rotation(), estimate.Translation(frame, v), capture.At(frame, v, joint) / camera.Focal(),
+                    scales.observation.Scatter(joint, capture.confidence[capture.Index(frame, v, joint)])});
+  }
+  Triangulation result;
+  for (int round = 0; rays.size() >= 2 && round < kRounds; ++round) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const Ray& ray : rays) {
+      for (int axis = 0; axis < 2; ++axis) {
+        const Eigen::Vector3d row = (ray.rotation.row(axis) - ray.direction[axis] * ray.rotation.row(2)).transpose();
+        const double weight = ray.weight / (ray.scatter * ray.scatter);
+        normal += weight * row * row.transpose();
+        right += weight * row * (ray.direction[axis] * ray.translation.z() - ray.translation[axis]);
+      }
+    }
+    result.point = normal.ldlt().solve(right);
+    result.information = normal;
+    for (Ray& ray : rays) {
+      const Eigen::Vector3d p = ray.rotation * result.point + ray.translation;
+      // At the joint's depth, in body units; the rows above are of that size.
+      const double error = (p.head<2>() - ray.direction * p.z()).norm() / ray.scatter;
+      ray.weight = 1.0 / (1.0 + std::pow(error / kWideLossScale, 2));
+    }
+  }
+  return result;
+}
+
 void TriangulateFrame(const CaptureObservations& capture, int frame, const AdjustmentScales& scales, bool mirrored,
                       RigEstimate& estimate) {
   for (int j = 0; j < capture.joint_count(); ++j) {
-    estimate.Joint(frame, j) = TriangulateJoint(capture, frame, j, scales, estimate);
+    estimate.Joint(frame, j) = TriangulateJoint(capture, frame, j, scales, estimate).point;
   }
   FillFromStart(capture, frame, mirrored, estimate);
 }

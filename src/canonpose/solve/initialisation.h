@@ -1,6 +1,7 @@
 // From rotations between cameras to a first estimate of everything, without iteration over unknowns of many frames.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -40,6 +41,16 @@ RigEstimate InitialiseStatic(const CaptureObservations& capture, std::span<const
 /// The same for moving cameras; rotations (F, V) of all frames of the capture.
 RigEstimate InitialiseMoving(const CaptureObservations& capture, std::span<const int> frames,
                              const std::vector<std::vector<Eigen::Matrix3d>>& camera_from_world, bool mirrored);
+
+/// A joint from the views that see it.
+struct Triangulation {
+  Eigen::Vector3d point = Eigen::Vector3d::Constant(std::nan(""));  ///< in the world; NaN from fewer than two views
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();            ///< inverse covariance, body units
+};
+
+/// Linear triangulation, reweighted so that a bad view counts little. `left_out_view` has no part; -1: all have.
+Triangulation TriangulateJoint(const CaptureObservations& capture, int frame, int joint, const AdjustmentScales& scales,
+                               const RigEstimate& estimate, int left_out_view = -1);
 
 /// Sets the joints of a frame of a static rig whose cameras are known, by linear triangulation from all views that see
 /// them, reweighted so that a bad view counts little. Joints seen by one view only are put beside their parent in the

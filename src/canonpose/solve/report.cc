@@ -117,8 +117,14 @@ std::string SolveReport::ToText() const {
       text += camera.used
                   ? fmt::format("  {:<11} focal length {:.0f} px, {:.2f} % off, {:.1f} % outliers\n", camera.name,
                                 camera.focal_px, camera.reprojection_percent, camera.outlier_percent)
-                  : fmt::format("  {:<11} not used\n", camera.name);
+                  : fmt::format("  {:<11} not used{}{}\n", camera.name, camera.why_not_used.empty() ? "" : ": ",
+                                camera.why_not_used);
     }
+    for (const OffsetReport& offset : capture.offsets) {
+      text += fmt::format("  {:<11} {} frames {} than the others in clip {}\n", offset.camera, std::abs(offset.frames),
+                          offset.frames < 0 ? "later" : "earlier", offset.clip + 1);
+    }
+    text += fmt::format("  left-right swaps mended: {}\n", capture.swaps_mended);
     for (const std::string& warning : capture.warnings) text += fmt::format("  warning: {}\n", warning);
   }
   return text;
@@ -133,6 +139,7 @@ std::string SolveReport::ToJson() const {
       Json one;
       one["name"] = camera.name;
       one["used"] = camera.used;
+      if (!camera.why_not_used.empty()) one["why_not_used"] = camera.why_not_used;
       if (camera.used) {
         one["focal_px"] = camera.focal_px;
         one["reprojection_percent"] = camera.reprojection_percent;
@@ -153,6 +160,11 @@ std::string SolveReport::ToJson() const {
       one["mirror"] = capture.mirror;
       one["mirror_sigma"] = capture.mirror_sigma;
       one["cameras"] = cameras;
+      one["swaps_mended"] = capture.swaps_mended;
+      one["offsets"] = Json::array();
+      for (const OffsetReport& offset : capture.offsets) {
+        one["offsets"].push_back({{"clip", offset.clip}, {"camera", offset.camera}, {"frames", offset.frames}});
+      }
     }
     one["warnings"] = capture.warnings;
     json["captures"].push_back(one);

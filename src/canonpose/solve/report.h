@@ -16,6 +16,14 @@ struct CameraReport {
   double reprojection_percent = 0.0;  ///< median distance of keypoints, in percent of the sum of bone lengths
   double outlier_percent = 0.0;       ///< share of keypoints farther off than five times what is usual for them
   bool used = true;
+  std::string why_not_used;  ///< empty where it is not known
+};
+
+/// A camera whose clock was off in a sequence: its frame n was taken to show what others show in frame n + frames.
+struct OffsetReport {
+  int clip = 0;  ///< of the capture
+  std::string camera;
+  int frames = 0;
 };
 
 struct CaptureReport {
@@ -29,6 +37,8 @@ struct CaptureReport {
   double largest_view_angle_deg = 0.0;  ///< between the viewing directions of two cameras
   std::string mirror;                   ///< kept, flipped, undecided, or by request
   double mirror_sigma = 0.0;  ///< standard errors by which the solution explains the keypoints better than its mirror
+  int swaps_mended = 0;       ///< frames, summed over cameras, in which left and right were exchanged
+  std::vector<OffsetReport> offsets;
   std::vector<std::string> warnings;
   std::string failure;  ///< why the capture could not be solved; empty where it was
 };

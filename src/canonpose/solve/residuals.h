@@ -31,6 +31,7 @@ struct ReprojectionTerm {
     const T focal = exp(*log_focal);
     if constexpr (kRootCentred) {
       const T scale = exp(placement[2]);
+      if (!(scale > T(1e-9)) || !(scale < T(1e9))) return false;  // the solver takes a smaller step
       p[0] += placement[0] / scale;
       p[1] += placement[1] / scale;
       p[2] += focal / scale;
@@ -214,6 +215,21 @@ struct ZoomTerm {
   }
   static ceres::CostFunction* Create(double weight) {
     return new ceres::AutoDiffCostFunction<ZoomTerm, 1, 1, 1>(new ZoomTerm{weight});
+  }
+};
+
+/// weight * (log scale - expected), 1 residual; parameter placement (3) of a moving camera.
+struct ScalePriorTerm {
+  double expected;
+  double weight;
+
+  template <typename T>
+  bool operator()(const T* placement, T* residual) const {
+    residual[0] = weight * (placement[2] - expected);
+    return true;
+  }
+  static ceres::CostFunction* Create(double expected, double weight) {
+    return new ceres::AutoDiffCostFunction<ScalePriorTerm, 1, 3>(new ScalePriorTerm{expected, weight});
   }
 };
 

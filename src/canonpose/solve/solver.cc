@@ -6,13 +6,17 @@
 #include <numeric>
 
 #include <dlfcn.h>
+#include <fmt/format.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/median.h"
 #include "canonpose/base/parallel.h"
 #include "canonpose/base/progress.h"
 #include "canonpose/solve/calibration.h"
+#include "canonpose/solve/camera_check.h"
+#include "canonpose/solve/diagnosis.h"
 #include "canonpose/solve/initialisation.h"
+#include "canonpose/solve/swaps.h"
 #include "canonpose/solve/windows.h"
 
 namespace canonpose {
@@ -39,22 +43,41 @@ class OneLinearAlgebraThread {
   int before_ = 0;
 };
 
-Solution Calibrate(const CaptureObservations& capture, const SolveOptions& options) {
+/// A capture between the stages.
+struct CaptureWork {
+  CaptureReport report;
+  CameraCheck check;
+  Solution solution;
+};
+
+/// The cameras of a capture, or why there are none in the report. `capture` is mended: cameras out of step, of somebody
+/// else.
+void FindCameras(CaptureObservations& capture, const SolveOptions& options, CaptureWork& work) {
+  work.report.name = capture.name;
+  work.report.static_cameras = capture.static_cameras;
+  work.report.frames = capture.frame_count;
+  work.report.failure = MissingInput(capture);
+  if (!work.report.failure.empty()) return;
   const CalibrationOptions calibration{options.mirror, options.calibration_frames, ThreadsToUse(options.threads)};
-  return capture.static_cameras ? CalibrateStatic(capture, calibration) : CalibrateMoving(capture, calibration);
+  const Calibrate calibrate = [&](const CaptureObservations& mended) {
+    return mended.static_cameras ? CalibrateStatic(mended, calibration) : CalibrateMoving(mended, calibration);
+  };
+  work.solution = calibrate(capture);
+  work.check = CheckCameras(capture, calibrate, work.solution);
 }
 
 /// Captures of moving cameras are single clips: a subject's bones are known better from all of its clips together.
-void PoolBones(const std::vector<CaptureObservations>& captures, std::vector<Solution>& solutions) {
+void PoolBones(const std::vector<CaptureObservations>& captures, std::vector<CaptureWork>& works) {
+  const auto takes_part = [&](std::size_t c) { return !captures[c].static_cameras && works[c].report.failure.empty(); };
   std::map<std::string, std::vector<std::vector<double>>> of_subject;  // (clips, J)
   for (std::size_t c = 0; c < captures.size(); ++c) {
-    if (captures[c].static_cameras) continue;
-    of_subject[captures[c].subjects.front()].push_back(solutions[c].estimate.log_bone_lengths.front());
+    if (!takes_part(c)) continue;
+    of_subject[captures[c].subjects.front()].push_back(works[c].solution.estimate.log_bone_lengths.front());
   }
   for (std::size_t c = 0; c < captures.size(); ++c) {
-    if (captures[c].static_cameras) continue;
+    if (!takes_part(c)) continue;
     const auto& clips = of_subject[captures[c].subjects.front()];
-    std::vector<double>& lengths = solutions[c].estimate.log_bone_lengths.front();
+    std::vector<double>& lengths = works[c].solution.estimate.log_bone_lengths.front();
     for (std::size_t j = 0; j < lengths.size(); ++j) {
       std::vector<double> found;
       for (const std::vector<double>& clip : clips) {
@@ -65,17 +88,50 @@ void PoolBones(const std::vector<CaptureObservations>& captures, std::vector<Sol
   }
 }
 
-void SolveAllFrames(const CaptureObservations& capture, const SolveOptions& options, Solution& solution) {
-  if (capture.static_cameras) {
-    std::vector<int> frames(static_cast<std::size_t>(capture.frame_count));
-    std::iota(frames.begin(), frames.end(), 0);
+/// The report of a capture that was solved.
+void FinishReport(const CaptureObservations& capture, const SolveOptions& options, int swaps_mended,
+                  CaptureWork& work) {
+  const Solution& solution = work.solution;
+  const CameraCheck& check = work.check;
+  CaptureReport& report = work.report;
+  report = MakeReport(capture, solution, options.mirror);
+  report.swaps_mended = swaps_mended;
+  for (std::size_t v = 0; v < capture.cameras.size(); ++v) {
+    if (check.dropped[v]) report.cameras[v].why_not_used = "does not show the same person, or not at the same time";
+    for (std::size_t clip = 0; clip < capture.clips.size(); ++clip) {
+      const int frames = check.offsets[clip][v];
+      if (frames != 0) report.offsets.push_back({static_cast<int>(clip), capture.cameras[v].name, frames});
+    }
+  }
+  if (options.mirror == "auto" && std::abs(solution.mirror_sigma) < kSureSigma) {
+    report.warnings.emplace_back(
+        "perspective does not tell whether depth is the right way round; it is as the lifter sees it");
+  }
+}
+
+/// Every frame of a capture whose cameras are known. `capture` is mended where left and right were exchanged.
+void SolveAllFrames(CaptureObservations& capture, const SolveOptions& options, CaptureWork& work) {
+  const int threads = ThreadsToUse(options.threads);
+  Solution& solution = work.solution;
+  std::vector<int> frames(static_cast<std::size_t>(capture.frame_count));
+  std::iota(frames.begin(), frames.end(), 0);
+  const auto solve_frames = [&] {
+    if (!capture.static_cameras) return SolveWindows(capture, options.window_frames, threads, solution);
     for (const int frame : frames) {
       TriangulateFrame(capture, frame, solution.scales, solution.mirrored, solution.estimate);
     }
     solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+  };
+  solve_frames();
+  work.report.failure = Implausible(MeasurePlausibility(capture, solution));
+  if (!work.report.failure.empty()) return;
+  const int swaps = MendSwaps(capture, solution, threads);
+  if (swaps > 0) solve_frames();
+  if (capture.static_cameras) {
     solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
+    SolveWindows(capture, options.window_frames, threads, solution);
   }
-  SolveWindows(capture, options.window_frames, ThreadsToUse(options.threads), solution);
+  FinishReport(capture, options, swaps, work);
 }
 
 Camera CameraOf(const CaptureObservations& capture, const RigEstimate& estimate, int frame, int view) {
@@ -112,17 +168,18 @@ void WriteCameras(const CaptureObservations& capture, const RigEstimate& estimat
 }
 
 void WriteView(const CaptureObservations& capture, const Solution& solution, const std::vector<float>& uncertainty,
-               const ClipRange& clip, int v, CameraView& view) {
+               const ClipRange& clip, int v, int offset_frames, CameraView& view) {
   const auto joints = static_cast<std::size_t>(capture.joint_count());
   const std::size_t values = static_cast<std::size_t>(clip.count) * joints;
   view.solved.assign(3 * values, std::nanf(""));
   view.solved_uncertainty.assign(values, std::nanf(""));
   for (int t = 0; t < clip.count; ++t) {
-    const int frame = clip.first + t;
+    const int frame = clip.first + t + offset_frames;  // in its own time, the camera's keypoints being as recorded
+    if (frame < clip.first || frame >= clip.first + clip.count) continue;
     if (!solution.estimate.CameraAt(frame, v).valid) continue;
     for (std::size_t j = 0; j < joints; ++j) {
       const Eigen::Vector3d p = solution.estimate.InCamera(frame, v, static_cast<int>(j));
-      if (!p.allFinite()) continue;
+      if (!p.cast<float>().allFinite()) continue;
       const std::size_t i = static_cast<std::size_t>(t) * joints + j;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         view.solved[3 * i + axis] = static_cast<float>(p[static_cast<Eigen::Index>(axis)]);
@@ -133,19 +190,43 @@ void WriteView(const CaptureObservations& capture, const Solution& solution, con
   WriteCameras(capture, solution.estimate, clip, v, view);
 }
 
-void WriteSolution(const CaptureObservations& capture, const Solution& solution, Dataset& dataset) {
+void WriteSolution(const CaptureObservations& capture, const Solution& solution, const CameraCheck& check,
+                   Dataset& dataset) {
   std::vector<float> uncertainty;
   for (int n = 0; n < capture.frame_count; ++n) {
     for (int j = 0; j < capture.joint_count(); ++j) {
       uncertainty.push_back(static_cast<float>(JointUncertainty(capture, n, j, solution)));
     }
   }
-  for (const ClipRange& clip : capture.clips) {
+  for (std::size_t c = 0; c < capture.clips.size(); ++c) {
+    const ClipRange& clip = capture.clips[c];
     for (CameraView& view : dataset.sequences[clip.sequence].cameras) {
       const auto camera = std::ranges::find(capture.cameras, view.name, &ObservedCamera::name);
-      WriteView(capture, solution, uncertainty, clip, static_cast<int>(camera - capture.cameras.begin()), view);
+      const auto v = static_cast<std::size_t>(camera - capture.cameras.begin());
+      WriteView(capture, solution, uncertainty, clip, static_cast<int>(v), check.offsets[c][v], view);
     }
   }
+}
+
+/// A capture that was not solved: NaN where poses would be.
+void WriteNothing(const CaptureObservations& capture, Dataset& dataset) {
+  for (const ClipRange& clip : capture.clips) {
+    for (CameraView& view : dataset.sequences[clip.sequence].cameras) {
+      view.solved.assign(3 * view.confidence.size(), std::nanf(""));
+      view.solved_uncertainty.assign(view.confidence.size(), std::nanf(""));
+    }
+  }
+}
+
+/// Throws where no capture was solved, with the reason of each.
+void RequireOneSolved(const SolveReport& report) {
+  std::string reasons;
+  for (const CaptureReport& capture : report.captures) {
+    if (capture.failure.empty()) return;
+    if (!reasons.empty()) reasons += "; ";
+    reasons += fmt::format("{}: {}", capture.name, capture.failure);
+  }
+  ThrowComputation("nothing could be solved: {}", reasons);
 }
 
 }  // namespace
@@ -168,23 +249,28 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
       view.solved_calibration.clear();
     }
   }
-  const std::vector<CaptureObservations> captures = CollectCaptures(dataset, start);
-  SolveReport report;
+  std::vector<CaptureObservations> captures = CollectCaptures(dataset, start);
   Progress progress("solve", static_cast<long>(2 * captures.size()));
   long done = 0;
-  std::vector<Solution> solutions;
-  for (const CaptureObservations& capture : captures) {
-    progress.Update(done++, capture.name + ", cameras");
-    solutions.push_back(Calibrate(capture, options));
+  std::vector<CaptureWork> works(captures.size());
+  for (std::size_t c = 0; c < captures.size(); ++c) {
+    progress.Update(done++, captures[c].name + ", cameras");
+    FindCameras(captures[c], options, works[c]);
   }
-  PoolBones(captures, solutions);
+  PoolBones(captures, works);
+  SolveReport report;
   for (std::size_t c = 0; c < captures.size(); ++c) {
     progress.Update(done++, captures[c].name + ", all frames");
-    SolveAllFrames(captures[c], options, solutions[c]);
-    WriteSolution(captures[c], solutions[c], dataset);
-    report.captures.push_back(MakeReport(captures[c], solutions[c], options.mirror));
-    solutions[c].estimate = {};
+    if (works[c].report.failure.empty()) SolveAllFrames(captures[c], options, works[c]);
+    if (works[c].report.failure.empty()) {
+      WriteSolution(captures[c], works[c].solution, works[c].check, dataset);
+    } else {
+      WriteNothing(captures[c], dataset);
+    }
+    report.captures.push_back(std::move(works[c].report));
+    works[c] = {};
   }
+  RequireOneSolved(report);
   return report;
 }
 

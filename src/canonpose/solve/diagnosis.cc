@@ -1,0 +1,183 @@
+#include "canonpose/solve/diagnosis.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "canonpose/base/median.h"
+#include "canonpose/solve/calibration.h"
+
+namespace canonpose {
+namespace {
+
+constexpr int kLeastFrames = 10;
+constexpr int kMeasuredFrames = 200;
+/// The motion of a person who stands like a statue, as a detector sees it, is below this.
+constexpr double kLeastMotion = 0.02;
+constexpr double kMostReprojection = 0.02;
+constexpr double kLeastViewAngleDeg = 10.0;
+constexpr double kMostDepthOverWidth = 1.8;
+constexpr double kMostAsymmetry = 0.22;  // a quarter longer
+
+double Degrees(double radians) { return radians * 180.0 / M_PI; }
+
+/// The root's distance to the farthest joint is about this share of a body; the median joint's serves as size.
+double ImageSize(const CaptureObservations& capture, int frame, int view) {
+  const Eigen::Vector2d root = capture.At(frame, view, capture.skeleton.root);
+  double squares = 0.0;
+  int count = 0;
+  for (int j = 0; j < capture.joint_count(); ++j) {
+    if (!capture.Sees(frame, view, j)) continue;
+    squares += (capture.At(frame, view, j) - root).squaredNorm();
+    ++count;
+  }
+  return count > 1 ? std::sqrt(squares / (count - 1)) : std::nan("");
+}
+
+double LargestAngle(const CaptureObservations& capture, const RigEstimate& estimate, int frame) {
+  double largest = 0.0;
+  for (int v = 0; v < capture.view_count(); ++v) {
+    for (int w = 0; w < v; ++w) {
+      const CameraEstimate& a = estimate.CameraAt(frame, v);
+      const CameraEstimate& b = estimate.CameraAt(frame, w);
+      if (!a.valid || !b.valid) continue;
+      const double cosine = std::abs(a.Rotation().row(2).dot(b.Rotation().row(2)));
+      largest = std::max(largest, std::acos(std::min(1.0, cosine)));
+    }
+  }
+  return Degrees(largest);
+}
+
+/// Extent along the viewing axis against across it; NaN where joints are missing.
+double DepthOverWidth(const CaptureObservations& capture, const RigEstimate& estimate, int frame, int view) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  for (int j = 0; j < capture.joint_count(); ++j) {
+    const Eigen::Vector3d p = estimate.InCamera(frame, view, j) / capture.joint_count();
+    mean += p;
+    squares += capture.joint_count() * p.cwiseProduct(p);
+  }
+  const Eigen::Vector3d variance = squares - mean.cwiseProduct(mean);
+  return std::sqrt(variance.z() / variance.x());
+}
+
+double LimbAsymmetry(const CaptureObservations& capture, const RigEstimate& estimate) {
+  const Skeleton& skeleton = capture.skeleton;
+  std::vector<double> differences;
+  for (const std::vector<double>& lengths : estimate.log_bone_lengths) {
+    for (int j = 0; j < skeleton.joint_count(); ++j) {
+      const int partner = skeleton.mirror[static_cast<std::size_t>(j)];
+      if (partner <= j) continue;
+      const double difference = lengths[static_cast<std::size_t>(j)] - lengths[static_cast<std::size_t>(partner)];
+      if (std::isfinite(difference)) differences.push_back(std::abs(difference));
+    }
+  }
+  return differences.empty() ? 0.0 : Median(std::move(differences));
+}
+
+}  // namespace
+
+double MotionSpread(const CaptureObservations& capture) {
+  std::vector<double> spreads;
+  for (int v = 0; v < capture.view_count(); ++v) {
+    for (int j = 0; j < capture.joint_count(); ++j) {
+      std::vector<double> sizes;
+      std::array<std::vector<double>, 2> places;
+      for (int n = 0; n < capture.frame_count; ++n) {
+        if (!capture.Sees(n, v, j) || !capture.Sees(n, v, capture.skeleton.root)) continue;
+        const double size = ImageSize(capture, n, v);
+        if (!std::isfinite(size)) continue;
+        const Eigen::Vector2d origin =
+            capture.static_cameras ? Eigen::Vector2d::Zero().eval() : capture.At(n, v, capture.skeleton.root);
+        const Eigen::Vector2d place = (capture.At(n, v, j) - origin) / (capture.static_cameras ? 1.0 : size);
+        for (std::size_t axis = 0; axis < 2; ++axis) places[axis].push_back(place[static_cast<Eigen::Index>(axis)]);
+        sizes.push_back(capture.static_cameras ? size : 1.0);
+      }
+      if (sizes.size() < static_cast<std::size_t>(kLeastFrames)) continue;
+      const double size = Median(std::move(sizes));
+      double squares = 0.0;
+      for (std::vector<double>& values : places) {
+        // From one tenth to nine tenths: outliers have no say, and few moments of motion are enough.
+        const auto low = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 10);
+        const auto high = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 9 / 10);
+        std::nth_element(values.begin(), low, values.end());
+        const double from = *low;
+        std::nth_element(values.begin(), high, values.end());
+        squares += std::pow((*high - from) / size, 2);
+      }
+      spreads.push_back(std::sqrt(squares));
+    }
+  }
+  return spreads.empty() ? 0.0 : Median(std::move(spreads));
+}
+
+std::string MissingInput(const CaptureObservations& capture) {
+  if (capture.view_count() < 2) {
+    return fmt::format("needs two cameras at least, has {}", capture.view_count());
+  }
+  const auto shared = static_cast<int>(FramesWithStart(capture).size());
+  if (shared == 0) return "no two cameras see the person at the same time";
+  if (shared < kLeastFrames) {
+    return fmt::format("needs {} frames at least that two cameras see, has {}", kLeastFrames, shared);
+  }
+  const double motion = MotionSpread(capture);
+  if (motion < kLeastMotion) {
+    return fmt::format(
+        "the person does not move (keypoints change by {:.1f} % of the body's size): nothing but {} points is known",
+        100.0 * motion, capture.joint_count());
+  }
+  return "";
+}
+
+Plausibility MeasurePlausibility(const CaptureObservations& capture, const Solution& solution) {
+  Plausibility result;
+  std::vector<double> errors;
+  std::vector<double> angles;
+  std::vector<double> ratios;
+  const int step = std::max(1, capture.frame_count / kMeasuredFrames);
+  for (int n = 0; n < capture.frame_count; n += step) {
+    VisitErrors(capture, std::span(&n, 1), solution.estimate,
+                [&](int, int, int, double error) { errors.push_back(error); });
+    const double angle = LargestAngle(capture, solution.estimate, n);
+    if (angle > 0.0) angles.push_back(angle);
+    for (int v = 0; v < capture.view_count(); ++v) {
+      if (!solution.estimate.CameraAt(n, v).valid) continue;
+      const double ratio = DepthOverWidth(capture, solution.estimate, n, v);
+      if (std::isfinite(ratio)) ratios.push_back(ratio);
+    }
+  }
+  result.reprojection = Median(std::move(errors));
+  result.view_angle_deg = Median(std::move(angles));
+  result.depth_over_width = Median(std::move(ratios));
+  result.asymmetry = LimbAsymmetry(capture, solution.estimate);
+  return result;
+}
+
+std::string Implausible(const Plausibility& plausibility) {
+  if (!std::isfinite(plausibility.reprojection)) return "no frame could be solved";
+  if (plausibility.reprojection > kMostReprojection) {
+    return fmt::format(
+        "the cameras do not agree: keypoints are {:.1f} % of the body's bone length off, up to {:.0f} % is usual; do "
+        "they show the same person, at the same time?",
+        100.0 * plausibility.reprojection, 1.0);
+  }
+  if (!(plausibility.view_angle_deg >= kLeastViewAngleDeg)) {
+    return fmt::format(
+        "all cameras look along nearly the same line ({:.0f} degrees apart): depth cannot be told; needs {:.0f} at "
+        "least",
+        plausibility.view_angle_deg, kLeastViewAngleDeg);
+  }
+  if (plausibility.depth_over_width > kMostDepthOverWidth) {
+    return fmt::format("the solution is flawed: poses are {:.1f} times as deep as wide; start from another model",
+                       plausibility.depth_over_width);
+  }
+  if (plausibility.asymmetry > kMostAsymmetry) {
+    return fmt::format("the solution is flawed: left and right limbs differ by {:.0f} %; start from another model",
+                       100.0 * std::expm1(plausibility.asymmetry));
+  }
+  return "";
+}
+
+}  // namespace canonpose

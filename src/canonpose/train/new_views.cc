@@ -46,6 +46,16 @@ Eigen::Vector3d DownInCamera(const Sequence& sequence, const CameraView& view, i
   return down ? Eigen::Vector3d(rotation_of(view) * *down) : Eigen::Vector3d::UnitY();
 }
 
+/// A joint that was solved from V views has taken up a part of their errors: about two of its three coordinates are
+/// free, bones and smooth motion holding the rest, so that what remains of the 2V errors is smaller by sqrt(1 - 2 /
+/// 2V).
+double ErrorFactor(const Sequence& sequence, std::size_t value) {
+  const auto views = std::count_if(sequence.cameras.begin(), sequence.cameras.end(), [&](const CameraView& view) {
+    return !view.solved.empty() && std::isfinite(view.solved[3 * value]) && view.confidence[value] > 0.0F;
+  });
+  return views < 2 ? 1.0 : std::sqrt(static_cast<double>(views) / static_cast<double>(views - 1));
+}
+
 }  // namespace
 
 std::optional<Eigen::Vector3d> EstimateDown(const std::vector<Eigen::Matrix3d>& camera_from_world) {
@@ -97,9 +107,13 @@ void NewViews::AddRow(const std::vector<Dataset>& datasets, const RowForm& form,
   for (int j = 0; j < joints_; ++j) projected.push_back(lens.camera.Project(Joint(row, j)));
   const double size_px = SizeInImage(projected, root_);
   if (!(size_px > 0.0)) return;
-  for (std::size_t i = 0; i < 2 * joints; ++i) {
-    const double pixel = projected[i / 2][static_cast<Eigen::Index>(i % 2)];
-    errors_[2 * offset + i] = static_cast<float>((view.keypoints[2 * first + i] - pixel) / size_px);
+  for (std::size_t j = 0; j < joints; ++j) {
+    const double factor = form.target == TrainingTarget::kSolved ? ErrorFactor(sequence, first + j) : 1.0;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const double pixel = projected[j][static_cast<Eigen::Index>(axis)];
+      errors_[2 * (offset + j) + axis] =
+          static_cast<float>(factor * (view.keypoints[2 * (first + j) + axis] - pixel) / size_px);
+    }
   }
   down_[static_cast<std::size_t>(row)] = DownInCamera(sequence, view, source.frame, form.target);
   // A camera that stands still has one lens for all its rows.

@@ -55,9 +55,9 @@ class NewViews {
   int joints_;
   int root_;
   bool turns_;
-  std::vector<float> poses_;  ///< (N, J, 3) in the camera, NaN where unknown
-  std::vector<float>
-      errors_;  ///< (N, J, 2) keypoint - projection, divided by the pose's size in the image; NaN likewise
+  std::vector<float> poses_;   ///< (N, J, 3) in the camera, NaN where unknown
+  std::vector<float> errors_;  ///< (N, J, 2) keypoint - projection, divided by the pose's size in the image; of solved
+                               ///< poses enlarged by what they have taken up of it; NaN likewise
   std::vector<Eigen::Vector3d> down_;  ///< (N) in the camera
   std::vector<int> lens_of_;           ///< (N) -1 where pose or camera are not known
   std::vector<Lens> lenses_;

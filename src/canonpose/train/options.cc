@@ -215,7 +215,7 @@ TrainOptions PresetOptions(const std::string& preset) {
     options.new_views = 0.8;
     options.flips = 0.5;
     options.joint_dropout = 0.15;
-    options.uncertainty_weights = "on";
+    // Unsure joints are the hard ones: weighing them less costs more than their errors (docs/results.md).
     return options;
   }
   options.camera_consistency = "static";

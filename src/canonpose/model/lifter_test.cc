@@ -136,6 +136,26 @@ TEST(Lifter, ScaledRotationsAreLargerAndPosesTheSame) {
   EXPECT_TRUE(torch::equal(after.pose, before.pose));
 }
 
+TEST(Lifter, ScalingSixNumbersLeavesTheIdentityTheyAreAddedToAsItIs) {
+  const torch::NoGradGuard no_grad;
+  Lifter lifter(5, 8, RotationForm::kSix);
+  lifter->Initialise(1);
+  Lifter scaled(5, 8, RotationForm::kSix);
+  scaled->Initialise(1);
+  scaled->ScaleRotations(16.0);
+  for (const auto& item : lifter->named_parameters()) {
+    const double factor = item.key() == "enc_rot.weight" || item.key() == "enc_rot.bias" ? 16.0 : 1.0;
+    EXPECT_TRUE(torch::equal(scaled->named_parameters()[item.key()], factor * item.value())) << item.key();
+  }
+  const torch::Tensor input = torch::ones({2, 15});
+  EXPECT_TRUE(torch::equal(scaled->forward(input).pose, lifter->forward(input).pose));
+  const auto trace = [&](Lifter& of) { return of->forward(input).rotation[0].trace().item<double>(); };
+  EXPECT_GT(trace(lifter), 2.0);  // near no rotation
+  EXPECT_LT(trace(scaled), 2.0);
+  scaled->ScaleRotations(0.0);
+  EXPECT_TRUE(torch::equal(scaled->forward(input).rotation, torch::eye(3).expand({2, 3, 3})));
+}
+
 TEST(Lifter, InitialisationDependsOnTheSeedAlone) {
   Lifter a(5, 16);
   Lifter b(5, 16);

@@ -127,10 +127,27 @@ TEST(Restarts, GoOnWithTheRunOfTheLeastLossAsIfItWereAlone) {
   EXPECT_EQ(lines.back(), its_lines.back());
 }
 
-TEST(Restarts, InterruptedAndResumedGiveTheSameBitsAndMetrics) {
+/// With everything else that training without labels can do.
+TrainJob FullJob(const TemporaryFolder& folder, const std::string& name) {
+  TrainJob job = Job(folder, name);
+  job.options.camera_consistency = "off";
+  job.options.ray = "root";
+  job.options.rotation = "6d";
+  job.options.rotation_spread = 4.0;
+  job.options.schedule = "cosine";
+  return job;
+}
+
+class RestartsInPieces : public ::testing::TestWithParam<bool> {};
+
+INSTANTIATE_TEST_SUITE_P(Restarts, RestartsInPieces, ::testing::Values(false, true),
+                         [](const auto& is_full) { return is_full.param ? "full" : "plain"; });
+
+TEST_P(RestartsInPieces, InterruptedAndResumedGiveTheSameBitsAndMetrics) {
   const TemporaryFolder folder;
-  Train(Job(folder, "whole"));
-  TrainJob job = Job(folder, "pieces");
+  const auto make = GetParam() ? FullJob : Job;
+  Train(make(folder, "whole"));
+  TrainJob job = make(folder, "pieces");
   job.options.checkpoint_seconds = 0.0;
   int interrupted_restarts = 0;
   for (int attempt = 0; attempt < 200; ++attempt) {
@@ -162,10 +179,13 @@ TEST(Restarts, AsLongAsTheRunChooseAmongWholeRuns) {
   EXPECT_EQ(Metrics(job.run_folder).size(), 4U);
 }
 
-TEST(Restarts, AreRefusedWhereTruthIsLearnedFrom) {
-  TrainOptions options = PresetOptions("supervised");
-  options.restarts = 2;
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr("restarts"));
+TEST(Restarts, AreRefusedWherePosesAreLearnedFrom) {
+  for (const char* preset : {"supervised", "best"}) {
+    TrainOptions options = PresetOptions(preset);
+    options.Validate();
+    options.restarts = 2;
+    EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr("restarts")) << preset;
+  }
 }
 
 }  // namespace

@@ -79,6 +79,29 @@ TEST(MakeTrainingSplit, HoldsOutTheEndOfEveryStretchAndLeavesOutLoneViews) {
   EXPECT_EQ(split.training.frames[7].views[0].camera, 1);
 }
 
+TEST(MakeTrainingSplit, KeepsTheTurnOfEveryRow) {
+  Dataset dataset = PuppetShow(20, 3);
+  for (CameraView& view : dataset.sequences[0].cameras) {  // the puppet walks through the picture
+    for (std::size_t i = 0; i < view.keypoints.size(); ++i) {
+      view.keypoints[i] += (i % 2 == 0 ? 20.0F : -8.0F) * static_cast<float>(i / (2 * kJoints));
+    }
+  }
+  dataset.sequences[0].cameras[0].confidence[7 * kJoints] = 0.0F;  // the root: a missing view
+  dataset.sequences[0].cameras[1].confidence[7 * kJoints] = 0.0F;  // and with it the frame
+  EXPECT_TRUE(MakeTrainingSplit({dataset}, 0.0).training.turned_from_camera.empty());
+  const TrainingSet set = MakeTrainingSplit({dataset}, 0.0, {TrainingTarget::kViews, {"root", "guess"}}).training;
+  ASSERT_EQ(set.row_count(), 19 * 3);
+  ASSERT_EQ(set.turned_from_camera.size(), 19U * 3U);
+  for (std::size_t row = 0; row < set.turned_from_camera.size(); ++row) {
+    const RowSource& source = set.sources[row];
+    const CameraView& view = dataset.sequences[0].cameras[static_cast<std::size_t>(source.camera)];
+    const float* root = &view.keypoints[static_cast<std::size_t>(source.frame) * kJoints * 2];
+    const float focal = std::hypot(1000.0F, 1000.0F);
+    const Eigen::Vector3f ray = Eigen::Vector3f((root[0] - 500) / focal, (root[1] - 500) / focal, 1.0F).normalized();
+    EXPECT_LT((set.turned_from_camera[row] * ray - Eigen::Vector3f::UnitZ()).norm(), 1e-5F) << row;
+  }
+}
+
 TEST(MakeTrainingSplit, NamedCapturesAreSharedByFilesOthersAreNot) {
   std::vector<Dataset> datasets = {PuppetShow(10, 2), PuppetShow(10, 2)};
   EXPECT_EQ(MakeTrainingSplit(datasets, 0.0).training.static_captures.size(), 1U);
@@ -112,14 +135,29 @@ TrainJob AugmentedJob(const TemporaryFolder& folder, const std::string& name) {
   return job;
 }
 
-class TrainInPieces : public ::testing::TestWithParam<bool> {};
+/// Learns from moving views alone with what goes together with windows, which close before the end.
+TrainJob WindowedJob(const TemporaryFolder& folder, const std::string& name) {
+  TrainJob job = Job(folder, name);
+  job.datasets[0].sequences[0].static_cameras = false;
+  job.options.camera_consistency = "window";
+  job.options.camera_window_seconds = 0.5;
+  job.options.camera_window_end = 0.8;
+  job.options.rotation = "6d";
+  job.options.rotation_spread = 4.0;
+  job.options.schedule = "cosine";
+  return job;
+}
 
-INSTANTIATE_TEST_SUITE_P(Train, TrainInPieces, ::testing::Values(false, true),
-                         [](const auto& is_augmented) { return is_augmented.param ? "augmented" : "plain"; });
+class TrainInPieces : public ::testing::TestWithParam<std::string> {};
+
+INSTANTIATE_TEST_SUITE_P(Train, TrainInPieces, ::testing::Values("plain", "augmented", "windowed"),
+                         [](const auto& kind) { return kind.param; });
 
 TEST_P(TrainInPieces, InterruptedAndResumedGivesTheSameBitsAndMetrics) {
   const TemporaryFolder folder;
-  TrainJob job = GetParam() ? AugmentedJob(folder, "whole") : Job(folder, "whole");
+  TrainJob job = GetParam() == "augmented"  ? AugmentedJob(folder, "whole")
+                 : GetParam() == "windowed" ? WindowedJob(folder, "whole")
+                                            : Job(folder, "whole");
   job.options.epochs = 60;
   Train(job);
   job.run_folder = folder / "pieces";

@@ -3,12 +3,16 @@
 #include <cmath>
 
 #include <Eigen/Geometry>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "canonpose/base/random.h"
 
 namespace canonpose {
 namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr int kJoints = 12;
 
@@ -90,9 +94,19 @@ TEST(ReportTrap, RecordsTheFiguresAndTheVerdict) {
   EXPECT_EQ(ReportTrap({0.9, 100.0, 10.0}).verdict, "right");
 }
 
+TEST(ReportTrap, AdvisesNothingThatTheOptionsRefuse) {
+  const auto advice = [](const InputForm& input) {
+    ::testing::internal::CaptureStderr();
+    ReportTrap({1.93, 34.0, 33.0}, input);
+    return ::testing::internal::GetCapturedStderr();
+  };
+  EXPECT_THAT(advice({}), Not(HasSubstr("ray=off")));
+  EXPECT_THAT(advice({"root", "guess"}), HasSubstr("--set ray=off and --set camera_consistency=static"));
+}
+
 /// A lifter that sees the same body everywhere, whose joints lie on the axes, under the same rotation.
-Lifter ConstantLifter(double depth, double yaw_degrees) {
-  Lifter lifter(7, 4);
+Lifter ConstantLifter(double depth, double yaw_degrees, RotationForm form = RotationForm::kAxisAngle) {
+  Lifter lifter(7, 4, form);
   const torch::NoGradGuard no_grad;
   for (torch::Tensor& parameter : lifter->parameters()) parameter.zero_();
   torch::Tensor pose = torch::zeros({3, 7});
@@ -103,7 +117,14 @@ Lifter ConstantLifter(double depth, double yaw_degrees) {
   }
   for (auto& item : lifter->named_parameters()) {
     if (item.key() == "pose3d.bias") item.value().copy_(pose.flatten());
-    if (item.key() == "enc_rot.bias") item.value()[1] = yaw_degrees / 180.0 * M_PI;
+    if (item.key() != "enc_rot.bias") continue;
+    const double yaw = yaw_degrees / 180.0 * M_PI;
+    if (form == RotationForm::kAxisAngle) {
+      item.value()[1] = yaw;
+    } else {  // the first column, less the identity's
+      item.value()[0] = std::cos(yaw) - 1.0;
+      item.value()[2] = -std::sin(yaw);
+    }
   }
   return lifter;
 }
@@ -120,16 +141,36 @@ TrainingSet AnyViews(int frames) {
   return set;
 }
 
-TEST(MeasureTrapSigns, ReadsALifterOfKnownDepth) {
+class TrapOfForm : public ::testing::TestWithParam<RotationForm> {};
+
+INSTANTIATE_TEST_SUITE_P(MeasureTrapSigns, TrapOfForm, ::testing::Values(RotationForm::kAxisAngle, RotationForm::kSix));
+
+TEST_P(TrapOfForm, ReadsALifterOfKnownDepth) {
   for (const int frames : {1, 60, 5000}) {
-    Lifter lifter = ConstantLifter(1.7, 0.0);
+    Lifter lifter = ConstantLifter(1.7, 0.0, GetParam());
     const TrapSigns signs = MeasureTrapSigns(lifter, AnyViews(frames), 0, torch::kCPU);
     EXPECT_NEAR(signs.depth_ratio, 1.7, 1e-5) << frames;
     EXPECT_NEAR(signs.angle_deg, 0.0, 1e-3) << frames;
   }
   // Turned by 90 degrees, width and depth change places.
-  Lifter turned = ConstantLifter(1.7, 90.0);
+  Lifter turned = ConstantLifter(1.7, 90.0, GetParam());
   EXPECT_NEAR(MeasureTrapSigns(turned, AnyViews(60), 0, torch::kCPU).depth_ratio, 1.0 / 1.7, 1e-5);
+}
+
+TEST(MeasureTrapSigns, AsksForTheRotationsOfCamerasThatAreNotTurnedOntoThePerson) {
+  // What turned cameras see stays as it is while the turn of the second one follows the person: it is the camera that
+  // the lifter takes to swing by 10 degrees about the 30 of its mean.
+  TrainingSet set = AnyViews(60);
+  for (int n = 0; n < 60; ++n) {
+    set.turned_from_camera.emplace_back(Eigen::Matrix3f::Identity());
+    set.turned_from_camera.emplace_back(
+        TurnAbout(Eigen::Vector3d::UnitY(), n % 2 == 0 ? 20.0 : 40.0).transpose().cast<float>());
+  }
+  Lifter lifter = ConstantLifter(1.7, 0.0);
+  const TrapSigns signs = MeasureTrapSigns(lifter, set, 0, torch::kCPU);
+  EXPECT_NEAR(signs.angle_deg, 40.0, 1e-3);  // of 20 and 40, the upper middle one
+  EXPECT_NEAR(signs.scatter_deg, 10.0, 1e-3);
+  EXPECT_NEAR(signs.depth_ratio, 1.7, 1e-5);
 }
 
 }  // namespace

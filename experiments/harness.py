@@ -35,6 +35,12 @@ def evaluate(run_folder, data, *options):
     return json.loads(report.read_text())
 
 
+def evaluate_solved(solved):
+    report = solved.with_suffix(".evaluation.json")
+    run("evaluate", solved, "--json", report)
+    return json.loads(report.read_text())
+
+
 def train_and_evaluate(run_folder, train_data, test_data, preset, seed, settings, evaluate_options=()):
     """One training: its figures on the test data, the mirror decision and whether it is in the trap."""
     run("train", *train_data, "-o", run_folder, "--preset", preset, "--seed", seed, "--threads", 1, *settings)

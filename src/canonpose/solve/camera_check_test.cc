@@ -60,7 +60,9 @@ TEST(CheckCameras, LeavesGoodCamerasAlone) {
 }
 
 TEST(CheckCameras, FindsADelayInOneClip) {
-  CaptureObservations capture = Observe(testing::Simulate(testing::SmallSimulation()).dataset);
+  SimulationOptions options = testing::SmallSimulation();
+  options.seconds = 12.0;
+  CaptureObservations capture = Observe(testing::Simulate(options).dataset);
   ShiftView(capture, 0, 1, 5);
   Solution solution = Quickly()(capture);
   const CameraCheck check = CheckCameras(capture, Quickly(), solution);

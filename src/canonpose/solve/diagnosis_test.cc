@@ -86,8 +86,9 @@ TEST(Failures, TwoCamerasThatShowDifferentPeople) {
   SimulationOptions options = OneClip();
   options.rig.cameras = 2;
   options.rig.spread = "quarter";
+  options.seconds = 15.0;
   Dataset dataset = testing::Simulate(options).dataset;
-  options.seed = 99;
+  options.seed = 53;
   options.activities = {Activity::kThrow};
   dataset.sequences[0].cameras[1] = testing::Simulate(options).dataset.sequences[0].cameras[1];
   EXPECT_THAT(FailureOf(dataset), HasSubstr("cameras do not agree"));
@@ -111,14 +112,17 @@ TEST(Failures, OneOfTwoCapturesIsToldInTheReport) {
 }
 
 TEST(Implausible, NamesWhatIsWrong) {
-  const Plausibility good{0.005, 80.0, 1.0, 0.03};
+  const Plausibility good{0.004, 80.0, 1.0, 0.06, 0.03};
   EXPECT_THAT(Implausible(good), IsEmpty());
+  EXPECT_THAT(Doubtful(good), IsEmpty());
+  EXPECT_THAT(Doubtful({0.007, 80.0, 1.0, 0.12, 0.03}), HasSubstr("agree poorly"));
   const auto with = [&](auto member, double value) {
     Plausibility bad = good;
     bad.*member = value;
     return Implausible(bad);
   };
   EXPECT_THAT(with(&Plausibility::reprojection, 0.05), HasSubstr("5.0 %"));
+  EXPECT_THAT(with(&Plausibility::bone_scatter, 0.4), HasSubstr("bones 40 %"));
   EXPECT_THAT(with(&Plausibility::reprojection, std::nan("")), HasSubstr("no frame"));
   EXPECT_THAT(with(&Plausibility::view_angle_deg, 4.0), HasSubstr("4 degrees"));
   EXPECT_THAT(with(&Plausibility::depth_over_width, 2.5), HasSubstr("2.5 times as deep as wide"));
@@ -134,7 +138,7 @@ TEST(MotionSpread, OfEveryActivityIsFarAboveAStatues) {
     Dataset one;
     one.skeleton = *FindSkeleton("h36m-17");
     one.sequences = {sequence};
-    EXPECT_GT(MotionSpread(CollectCaptures(one, testing::NoisyTruth(one)).front()), 0.05) << sequence.name;
+    EXPECT_GT(MotionSpread(CollectCaptures(one, testing::NoisyTruth(one)).front()), 0.3) << sequence.name;
   }
 }
 

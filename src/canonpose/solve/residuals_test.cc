@@ -1,26 +1,49 @@
 #include "canonpose/solve/residuals.h"
 
+#include <cmath>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
-#include <ceres/gradient_checker.h>
-#include <ceres/manifold.h>
+#include <ceres/cost_function.h>
 #include <gtest/gtest.h>
 
 namespace canonpose {
 namespace {
 
-/// Compares a term's Jacobians with numeric ones.
-void ExpectRightJacobians(const ceres::CostFunction& term, std::vector<std::vector<double>> parameters,
-                          const std::vector<const ceres::Manifold*>* manifolds = nullptr) {
-  ceres::NumericDiffOptions options;
-  const ceres::GradientChecker checker(&term, manifolds, options);
-  std::vector<const double*> blocks;
-  for (const std::vector<double>& block : parameters) blocks.push_back(block.data());
-  ceres::GradientChecker::ProbeResults results;
-  EXPECT_TRUE(checker.Probe(blocks.data(), 1e-6, &results)) << results.error_log;
+/// Compares a term's Jacobians with central differences.
+void ExpectRightJacobians(const ceres::CostFunction& term, std::vector<std::vector<double>> parameters) {
+  constexpr double kStep = 1e-6;
+  const auto rows = static_cast<std::size_t>(term.num_residuals());
+  const auto evaluate = [&](std::vector<double>& residuals, double** jacobians) {
+    std::vector<const double*> blocks;
+    for (const std::vector<double>& block : parameters) blocks.push_back(block.data());
+    residuals.assign(rows, 0.0);
+    ASSERT_TRUE(term.Evaluate(blocks.data(), residuals.data(), jacobians));
+  };
+  std::vector<std::vector<double>> jacobians;
+  std::vector<double*> pointers;
+  for (const std::vector<double>& block : parameters) jacobians.emplace_back(rows * block.size(), 0.0);
+  for (std::vector<double>& jacobian : jacobians) pointers.push_back(jacobian.data());
+  std::vector<double> residuals;
+  evaluate(residuals, pointers.data());
+  for (std::size_t b = 0; b < parameters.size(); ++b) {
+    for (std::size_t i = 0; i < parameters[b].size(); ++i) {
+      const double value = parameters[b][i];
+      std::vector<double> above;
+      std::vector<double> below;
+      parameters[b][i] = value + kStep;
+      evaluate(above, nullptr);
+      parameters[b][i] = value - kStep;
+      evaluate(below, nullptr);
+      parameters[b][i] = value;
+      for (std::size_t r = 0; r < rows; ++r) {
+        const double numeric = (above[r] - below[r]) / (2.0 * kStep);
+        EXPECT_NEAR(jacobians[b][r * parameters[b].size() + i], numeric, 1e-6 * (1.0 + std::abs(numeric)))
+            << "residual " << r << ", block " << b << ", parameter " << i;
+      }
+    }
+  }
 }
 
 std::vector<double> Quaternion(double angle, const Eigen::Vector3d& axis) {
@@ -30,16 +53,12 @@ std::vector<double> Quaternion(double angle, const Eigen::Vector3d& axis) {
 
 TEST(Residuals, ReprojectionOfStaticCamera) {
   const std::unique_ptr<ceres::CostFunction> term(ReprojectionTerm<false>::Create({0.1, -0.2}, 30.0));
-  const ceres::QuaternionManifold quaternions;
-  const std::vector<const ceres::Manifold*> manifolds = {&quaternions, nullptr, nullptr, nullptr};
-  ExpectRightJacobians(*term, {Quaternion(0.7, {1, 2, 3}), {0.1, -0.3, 1.4}, {0.2}, {0.1, 0.2, -0.15}}, &manifolds);
+  ExpectRightJacobians(*term, {Quaternion(0.7, {1, 2, 3}), {0.1, -0.3, 1.4}, {0.2}, {0.1, 0.2, -0.15}});
 }
 
 TEST(Residuals, ReprojectionOfMovingCamera) {
   const std::unique_ptr<ceres::CostFunction> term(ReprojectionTerm<true>::Create({0.1, -0.2}, 30.0));
-  const ceres::QuaternionManifold quaternions;
-  const std::vector<const ceres::Manifold*> manifolds = {&quaternions, nullptr, nullptr, nullptr};
-  ExpectRightJacobians(*term, {Quaternion(-1.1, {3, 1, 2}), {0.05, -0.1, -0.8}, {0.4}, {0.1, 0.2, -0.15}}, &manifolds);
+  ExpectRightJacobians(*term, {Quaternion(-1.1, {3, 1, 2}), {0.05, -0.1, -0.8}, {0.4}, {0.1, 0.2, -0.15}});
 }
 
 TEST(Residuals, JointInViewsAlsoWhereItIsNearACamera) {
@@ -87,16 +106,13 @@ TEST(Residuals, Accelerations) {
 }
 
 TEST(Residuals, TurningAndItsChange) {
-  const ceres::QuaternionManifold quaternions;
-  const std::vector<const ceres::Manifold*> two = {&quaternions, &quaternions};
-  const std::vector<const ceres::Manifold*> three = {&quaternions, &quaternions, &quaternions};
   const std::vector<double> a = Quaternion(0.3, {1, 2, 3});
   const std::vector<double> b = Quaternion(0.5, {1, 1, 3});
   const std::vector<double> c = Quaternion(0.6, {1, 0, 3});
   const std::unique_ptr<ceres::CostFunction> turning(TurningTerm::Create(5.0));
-  ExpectRightJacobians(*turning, {a, b}, &two);
+  ExpectRightJacobians(*turning, {a, b});
   const std::unique_ptr<ceres::CostFunction> change(TurningChangeTerm::Create(5.0));
-  ExpectRightJacobians(*change, {a, b, c}, &three);
+  ExpectRightJacobians(*change, {a, b, c});
 }
 
 TEST(Residuals, ZoomAndPrior) {

@@ -236,7 +236,7 @@ SwapParts FindSwapParts(const Skeleton& skeleton) {
     const int partner = skeleton.mirror[static_cast<std::size_t>(j)];
     if (partner <= j) continue;
     const bool is_leg = IsBelow(skeleton, j, "hip");
-    const bool is_arm = !is_leg && IsBelow(skeleton, j, "shoulder");
+    const bool is_arm = !is_leg && IsBelow(skeleton, j, "sho");
     (is_leg ? parts.legs : is_arm ? parts.arms : parts.rest).push_back({j, partner});
   }
   return parts;

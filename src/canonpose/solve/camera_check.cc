@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "canonpose/base/median.h"
+#include "canonpose/solve/calibration.h"
+#include "canonpose/solve/diagnosis.h"
 #include "canonpose/solve/initialisation.h"
 
 namespace canonpose {
@@ -346,6 +348,7 @@ int FindStranger(const CaptureObservations& capture, const Calibrate& calibrate,
   for (const int v : used) {
     CaptureObservations without = capture;
     DropView(without, v);
+    if (static_cast<int>(FramesWithStart(without).size()) < kLeastFrames) continue;
     Solution candidate = calibrate(without);
     const double error = MedianError(without, candidate);
     if (!(error < best)) continue;

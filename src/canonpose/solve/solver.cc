@@ -103,6 +103,8 @@ void FinishReport(const CaptureObservations& capture, const SolveOptions& option
       if (frames != 0) report.offsets.push_back({static_cast<int>(clip), capture.cameras[v].name, frames});
     }
   }
+  const std::string doubt = Doubtful(MeasurePlausibility(capture, solution));
+  if (!doubt.empty()) report.warnings.push_back(doubt);
   if (options.mirror == "auto" && std::abs(solution.mirror_sigma) < kSureSigma) {
     report.warnings.emplace_back(
         "perspective does not tell whether depth is the right way round; it is as the lifter sees it");

@@ -15,11 +15,16 @@ namespace {
 
 using ViewMask = std::uint32_t;
 
-/// What each frame of a view that is exchanged costs, and each beyond the first at the same time; and what each view
-/// costs that is exchanged from now on, or no longer.
-constexpr double kFrameCost = 0.5;
+/// What exchanges cost: each frame of a view that is exchanged, and each view that is exchanged from now on, or no
+/// longer. Two views contradict each other less, so that they must say more.
+struct ExchangeCosts {
+  double frame;
+  double change;
+};
+constexpr ExchangeCosts kCostsOfTwoViews = {1.5, 6.0};
+constexpr ExchangeCosts kCostsOfMoreViews = {0.5, 4.0};
+/// Of each view beyond the first that is exchanged at the same time.
 constexpr double kNextViewCost = 2.0;
-constexpr double kChangeCost = 4.0;
 /// How far bones may be off their length before that tells of a swap, relative: triangulation is not exact.
 constexpr double kBoneScatter = 0.1;
 /// With more views than this, one at a time is exchanged.
@@ -88,8 +93,8 @@ struct PartFrame {
 class PartSearch {
  public:
   PartSearch(const CaptureObservations& capture, const Solution& solution, const std::vector<ViewMask>& patterns,
-             const SwapParts::Pairs& pairs)
-      : capture_(capture), solution_(solution), patterns_(patterns), pairs_(pairs) {}
+             const SwapParts::Pairs& pairs, const ExchangeCosts& costs)
+      : capture_(capture), solution_(solution), patterns_(patterns), pairs_(pairs), costs_(costs) {}
 
   /// The pattern of each frame of a clip.
   [[nodiscard]] std::vector<ViewMask> Find(const ClipRange& clip, int threads) const;
@@ -104,6 +109,7 @@ class PartSearch {
   const Solution& solution_;
   const std::vector<ViewMask>& patterns_;
   const SwapParts::Pairs& pairs_;
+  ExchangeCosts costs_;
 };
 
 double PartSearch::ViewCost(const OneFrame& frame, int joint, const Eigen::Vector3d& point) const {
@@ -162,7 +168,7 @@ PartFrame PartSearch::Look(int frame) const {
     }
     exchange();
     const int exchanged = std::popcount(pattern);
-    cost += kFrameCost * exchanged + kNextViewCost * std::max(0, exchanged - 1);
+    cost += costs_.frame * exchanged + kNextViewCost * std::max(0, exchanged - 1);
     result.costs.push_back(cost + BoneCost(frame, joints));
   }
   return result;
@@ -194,7 +200,7 @@ std::vector<ViewMask> PartSearch::Find(const ClipRange& clip, int threads) const
         frames[static_cast<std::size_t>(t - 1)].joints[static_cast<std::size_t>(before)];
     const std::vector<Eigen::Vector3d>& to = frames[static_cast<std::size_t>(t)].joints[static_cast<std::size_t>(now)];
     const ViewMask changed = patterns_[static_cast<std::size_t>(before)] ^ patterns_[static_cast<std::size_t>(now)];
-    double cost = kChangeCost * std::popcount(changed);
+    double cost = costs_.change * std::popcount(changed);
     for (std::size_t j = 0; j < steps.size(); ++j) {
       const double step = (to[j] - from[j]).norm();
       if (std::isfinite(step / steps[j])) cost += Cauchy(step, steps[j]);
@@ -230,7 +236,7 @@ SwapParts FindSwapParts(const Skeleton& skeleton) {
     const int partner = skeleton.mirror[static_cast<std::size_t>(j)];
     if (partner <= j) continue;
     const bool is_leg = IsBelow(skeleton, j, "hip");
-    const bool is_arm = !is_leg && IsBelow(skeleton, j, "shoulder");
+    const bool is_arm = !is_leg && IsBelow(skeleton, j, "sho");
     (is_leg ? parts.legs : is_arm ? parts.arms : parts.rest).push_back({j, partner});
   }
   return parts;
@@ -240,13 +246,14 @@ int MendSwaps(CaptureObservations& capture, const Solution& solution, int thread
   const std::vector<int> views = KnownViews(capture, solution.estimate);
   if (views.size() < 2 || views.back() >= 32) return 0;
   const std::vector<ViewMask> patterns = Patterns(views);
+  const ExchangeCosts& costs = views.size() == 2 ? kCostsOfTwoViews : kCostsOfMoreViews;
   const SwapParts parts = FindSwapParts(capture.skeleton);
   const std::array<const SwapParts::Pairs*, 3> all = {&parts.legs, &parts.arms, &parts.rest};
   int mended = 0;
   for (const ClipRange& clip : capture.clips) {
     std::array<std::vector<ViewMask>, 3> found;
     for (std::size_t p = 0; p < all.size(); ++p) {
-      found[p] = PartSearch(capture, solution, patterns, *all[p]).Find(clip, threads);
+      found[p] = PartSearch(capture, solution, patterns, *all[p], costs).Find(clip, threads);
     }
     for (int t = 0; t < clip.count; ++t) {
       const auto i = static_cast<std::size_t>(t);

@@ -1,0 +1,126 @@
+#include "canonpose/solve/residuals.h"
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <ceres/cost_function.h>
+#include <gtest/gtest.h>
+
+namespace canonpose {
+namespace {
+
+/// Compares a term's Jacobians with central differences.
+void ExpectRightJacobians(const ceres::CostFunction& term, std::vector<std::vector<double>> parameters) {
+  constexpr double kStep = 1e-6;
+  const auto rows = static_cast<std::size_t>(term.num_residuals());
+  const auto evaluate = [&](std::vector<double>& residuals, double** jacobians) {
+    std::vector<const double*> blocks;
+    for (const std::vector<double>& block : parameters) blocks.push_back(block.data());
+    residuals.assign(rows, 0.0);
+    ASSERT_TRUE(term.Evaluate(blocks.data(), residuals.data(), jacobians));
+  };
+  std::vector<std::vector<double>> jacobians;
+  std::vector<double*> pointers;
+  for (const std::vector<double>& block : parameters) jacobians.emplace_back(rows * block.size(), 0.0);
+  for (std::vector<double>& jacobian : jacobians) pointers.push_back(jacobian.data());
+  std::vector<double> residuals;
+  evaluate(residuals, pointers.data());
+  for (std::size_t b = 0; b < parameters.size(); ++b) {
+    for (std::size_t i = 0; i < parameters[b].size(); ++i) {
+      const double value = parameters[b][i];
+      std::vector<double> above;
+      std::vector<double> below;
+      parameters[b][i] = value + kStep;
+      evaluate(above, nullptr);
+      parameters[b][i] = value - kStep;
+      evaluate(below, nullptr);
+      parameters[b][i] = value;
+      for (std::size_t r = 0; r < rows; ++r) {
+        const double numeric = (above[r] - below[r]) / (2.0 * kStep);
+        EXPECT_NEAR(jacobians[b][r * parameters[b].size() + i], numeric, 1e-6 * (1.0 + std::abs(numeric)))
+            << "residual " << r << ", block " << b << ", parameter " << i;
+      }
+    }
+  }
+}
+
+std::vector<double> Quaternion(double angle, const Eigen::Vector3d& axis) {
+  const Eigen::Quaterniond q(Eigen::AngleAxisd(angle, axis.normalized()));
+  return {q.w(), q.x(), q.y(), q.z()};
+}
+
+TEST(Residuals, ReprojectionOfStaticCamera) {
+  const std::unique_ptr<ceres::CostFunction> term(ReprojectionTerm<false>::Create({0.1, -0.2}, 30.0));
+  ExpectRightJacobians(*term, {Quaternion(0.7, {1, 2, 3}), {0.1, -0.3, 1.4}, {0.2}, {0.1, 0.2, -0.15}});
+}
+
+TEST(Residuals, ReprojectionOfMovingCamera) {
+  const std::unique_ptr<ceres::CostFunction> term(ReprojectionTerm<true>::Create({0.1, -0.2}, 30.0));
+  ExpectRightJacobians(*term, {Quaternion(-1.1, {3, 1, 2}), {0.05, -0.1, -0.8}, {0.4}, {0.1, 0.2, -0.15}});
+}
+
+TEST(Residuals, JointInViewsAlsoWhereItIsNearACamera) {
+  std::vector<KnownView> views;
+  views.push_back(
+      {Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY()).toRotationMatrix(), {0.1, 0.0, 2.0}, 1.2, {0.05, -0.1}, 50.0});
+  views.push_back({Eigen::AngleAxisd(-1.4, Eigen::Vector3d(0.1, 1.0, 0.0).normalized()).toRotationMatrix(),
+                   {-0.2, 0.1, 1.5},
+                   0.9,
+                   {-0.4, 0.3},
+                   20.0});
+  // The last has the joint behind it.
+  views.push_back({Eigen::Matrix3d::Identity(), {0.0, 0.0, -1.0}, 1.0, {0.0, 0.0}, 1.0});
+  ExpectRightJacobians(JointInViewsTerm(views, 2.0), {{0.12, 0.2, -0.1}});
+}
+
+TEST(Residuals, JointInViewsIsCauchysLossViewByView) {
+  const KnownView view{Eigen::Matrix3d::Identity(), {0.0, 0.0, 2.0}, 1.0, {0.3, -0.1}, 10.0};
+  const JointInViewsTerm term({view}, 2.0);
+  const double joint[] = {0.0, 0.0, 0.0};
+  const double* parameters[] = {joint};
+  double residuals[2];
+  ASSERT_TRUE(term.Evaluate(parameters, residuals, nullptr));
+  const double squares = 100.0 * (0.3 * 0.3 + 0.1 * 0.1);
+  EXPECT_NEAR(residuals[0] * residuals[0] + residuals[1] * residuals[1], 4.0 * std::log1p(squares / 4.0), 1e-12);
+}
+
+TEST(Residuals, Bones) {
+  const std::unique_ptr<ceres::CostFunction> term(BoneTerm::Create(33.0));
+  ExpectRightJacobians(*term, {{0.1, 0.2, 0.3}, {0.05, -0.1, 0.35}, {-2.0}});
+}
+
+TEST(Residuals, Unit) {
+  const UnitTerm term(3, 10.0);
+  ExpectRightJacobians(term, {{-1.0}, {-2.0}, {-0.5}});
+  const double log_lengths[] = {std::log(0.2), std::log(0.3), std::log(0.5)};
+  const double* parameters[] = {&log_lengths[0], &log_lengths[1], &log_lengths[2]};
+  double residual;
+  ASSERT_TRUE(term.Evaluate(parameters, &residual, nullptr));
+  EXPECT_NEAR(residual, 0.0, 1e-12);
+}
+
+TEST(Residuals, Accelerations) {
+  ExpectRightJacobians(AccelerationTerm(7.0), {{0.1, 0.2, 0.3}, {0.2, 0.1, 0.5}, {-0.1, 0.0, 0.4}});
+}
+
+TEST(Residuals, TurningAndItsChange) {
+  const std::vector<double> a = Quaternion(0.3, {1, 2, 3});
+  const std::vector<double> b = Quaternion(0.5, {1, 1, 3});
+  const std::vector<double> c = Quaternion(0.6, {1, 0, 3});
+  const std::unique_ptr<ceres::CostFunction> turning(TurningTerm::Create(5.0));
+  ExpectRightJacobians(*turning, {a, b});
+  const std::unique_ptr<ceres::CostFunction> change(TurningChangeTerm::Create(5.0));
+  ExpectRightJacobians(*change, {a, b, c});
+}
+
+TEST(Residuals, ZoomAndPrior) {
+  const std::unique_ptr<ceres::CostFunction> zoom(ZoomTerm::Create(3.0));
+  ExpectRightJacobians(*zoom, {{0.2}, {0.5}});
+  const std::unique_ptr<ceres::CostFunction> prior(PriorTerm::Create(0.3, 2.0));
+  ExpectRightJacobians(*prior, {{0.9}});
+}
+
+}  // namespace
+}  // namespace canonpose

@@ -1,0 +1,199 @@
+#include "canonpose/solve/solver.h"
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <numeric>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "canonpose/base/median.h"
+#include "canonpose/base/testing.h"
+#include "canonpose/solve/calibration.h"
+#include "canonpose/solve/initialisation.h"
+#include "canonpose/solve/solve_testing.h"
+#include "canonpose/solve/windows.h"
+
+namespace canonpose {
+namespace {
+
+using testing::ErrorOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+/// Four cameras of different focal lengths and heights, their principal points in the image centres.
+constexpr const char* kRig = R"({"cameras": [
+  {"name": "a", "image_size": [1000, 1000], "position_m": [4, 1, 1.5], "look_at_m": [0, 0, 1], "focal_px": 1100},
+  {"name": "b", "image_size": [1280, 720], "position_m": [-1, 5, 2.5], "look_at_m": [0, 0, 0.9], "focal_px": 1000},
+  {"name": "c", "image_size": [1920, 1080], "position_m": [-5, -1, 1], "look_at_m": [0, 0, 1], "focal_px": 1500},
+  {"name": "d", "image_size": [1000, 1000], "position_m": [1, -4, 3], "look_at_m": [0, 0, 0.8], "focal_px": 900}]})";
+
+Dataset ExactCapture() {
+  const testing::TemporaryFolder folder;
+  std::ofstream(folder / "rig.json") << kRig;
+  SimulationOptions options = testing::SmallSimulation();
+  options.rig.kind = folder / "rig.json";
+  options.detector.noise = 0.0;
+  options.activities = {Activity::kDance};
+  options.clips = 1;
+  return testing::Simulate(options).dataset;
+}
+
+/// Distances of `solved` from the truth, both relative to the root, mm, under one scale for the whole sequence.
+std::vector<double> ErrorsMm(const Sequence& sequence, const Skeleton& skeleton) {
+  const auto joints = static_cast<std::size_t>(skeleton.joint_count());
+  std::vector<Eigen::Vector3d> solved;
+  std::vector<Eigen::Vector3d> truth;
+  double product = 0.0;
+  double squares = 0.0;
+  for (const CameraView& view : sequence.cameras) {
+    for (std::size_t i = 0; i < view.truth.size() / 3; ++i) {
+      const std::size_t root = i / joints * joints + static_cast<std::size_t>(skeleton.root);
+      const auto at = [](const std::vector<float>& p, std::size_t k) {
+        return Eigen::Vector3d(p[3 * k], p[3 * k + 1], p[3 * k + 2]);
+      };
+      const Eigen::Vector3d s = at(view.solved, i) - at(view.solved, root);
+      const Eigen::Vector3d t = at(view.truth, i) - at(view.truth, root);
+      if (!s.allFinite() || !t.allFinite()) continue;
+      solved.push_back(s);
+      truth.push_back(t);
+      product += s.dot(t);
+      squares += s.squaredNorm();
+    }
+  }
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < solved.size(); ++i) errors.push_back((product / squares * solved[i] - truth[i]).norm());
+  return errors;
+}
+
+TEST(Solve, ExactKeypointsOfAStaticRigGiveTheTruth) {
+  Dataset dataset = ExactCapture();
+  const SolveReport report = Solve(dataset, testing::NoisyTruth(dataset), {});
+  ASSERT_THAT(report.captures, SizeIs(1));
+  EXPECT_THAT(report.captures[0].failure, IsEmpty());
+  EXPECT_EQ(report.captures[0].mirror, "kept");
+  const std::vector<double> errors = ErrorsMm(dataset.sequences[0], dataset.skeleton);
+  ASSERT_GT(errors.size(), 1000U);
+  RecordProperty("largest_mm", std::to_string(*std::max_element(errors.begin(), errors.end())));
+  EXPECT_LT(*std::max_element(errors.begin(), errors.end()), 1.0);
+  for (const CameraView& view : dataset.sequences[0].cameras) {
+    ASSERT_THAT(view.solved_calibration, SizeIs(1));
+    EXPECT_NEAR(view.solved_calibration[0].K(0, 0) / view.calibration[0].K(0, 0), 1.0, 1e-3) << view.name;
+  }
+}
+
+TEST(Solve, TheMirrorOfTheStartIsFound) {
+  Dataset dataset = ExactCapture();
+  StartPoses start = testing::NoisyTruth(dataset);
+  for (std::vector<float>& view : start.sequences[0]) {
+    for (std::size_t i = 2; i < view.size(); i += 3) view[i] = -view[i];
+  }
+  const SolveReport report = Solve(dataset, start, {});
+  EXPECT_EQ(report.captures[0].mirror, "flipped");
+  EXPECT_LT(Median(ErrorsMm(dataset.sequences[0], dataset.skeleton)), 1.0);
+}
+
+TEST(Solve, MovingCamerasNearTheTruth) {
+  SimulationOptions options = testing::SmallSimulation();
+  options.rig.kind = "handheld";
+  options.detector.noise = 0.0;
+  options.clips = 1;
+  options.seconds = 4.0;
+  Dataset dataset = testing::Simulate(options).dataset;
+  const SolveReport report = Solve(dataset, testing::NoisyTruth(dataset), {});
+  EXPECT_THAT(report.captures[0].failure, IsEmpty());
+  EXPECT_LT(Median(ErrorsMm(dataset.sequences[0], dataset.skeleton)), 25.0);
+}
+
+bool SameBits(const Dataset& a, const Dataset& b) {
+  for (std::size_t s = 0; s < a.sequences.size(); ++s) {
+    for (std::size_t c = 0; c < a.sequences[s].cameras.size(); ++c) {
+      const std::vector<float>& x = a.sequences[s].cameras[c].solved;
+      const std::vector<float>& y = b.sequences[s].cameras[c].solved;
+      if (x.size() != y.size() || std::memcmp(x.data(), y.data(), x.size() * sizeof(float)) != 0) return false;
+    }
+  }
+  return true;
+}
+
+TEST(Solve, TheNumberOfThreadsDoesNotMatter) {
+  for (const char* rig : {"studio", "handheld"}) {
+    SimulationOptions options = testing::SmallSimulation();
+    options.rig.kind = rig;
+    options.clips = 1;
+    options.seconds = 2.0;
+    Dataset one = testing::Simulate(options).dataset;
+    Dataset three = one;
+    SolveOptions solve;
+    solve.window_frames = 20;
+    solve.threads = 1;
+    Solve(one, testing::NoisyTruth(one), solve);
+    solve.threads = 3;
+    Solve(three, testing::NoisyTruth(three), solve);
+    EXPECT_TRUE(one.HasSolved());
+    EXPECT_TRUE(SameBits(one, three)) << rig;
+  }
+}
+
+TEST(Solve, WindowsGiveWhatOneLargeWindowGives) {
+  SimulationOptions options = testing::SmallSimulation();
+  options.clips = 1;
+  Dataset small = testing::Simulate(options).dataset;
+  Dataset large = small;
+  SolveOptions solve;
+  solve.window_frames = 40;
+  Solve(small, testing::NoisyTruth(small), solve);
+  solve.window_frames = 1000;
+  Solve(large, testing::NoisyTruth(large), solve);
+  std::vector<double> differences;
+  for (std::size_t c = 0; c < small.sequences[0].cameras.size(); ++c) {
+    const std::vector<float>& x = small.sequences[0].cameras[c].solved;
+    const std::vector<float>& y = large.sequences[0].cameras[c].solved;
+    ASSERT_EQ(x.size(), y.size());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      if (std::isfinite(x[i])) differences.push_back(std::abs(x[i] - y[i]));
+    }
+  }
+  std::sort(differences.begin(), differences.end());
+  // The unit is some 4.5 m; a keypoint's error is of 4e-3.
+  EXPECT_LT(differences[differences.size() / 2], 5e-5);
+  EXPECT_LT(differences[differences.size() * 99 / 100], 5e-4);
+}
+
+/// Frame n of the camera is frame n - frames of the recording.
+void Delay(CameraView& view, int joints, int frames) {
+  const auto delay = [&](std::vector<float>& values, std::size_t width, float none) {
+    values.insert(values.begin(), width * static_cast<std::size_t>(joints * frames), none);
+    values.resize(values.size() - width * static_cast<std::size_t>(joints * frames));
+  };
+  delay(view.keypoints, 2, std::nanf(""));
+  delay(view.confidence, 1, 0.0F);
+  delay(view.truth, 3, std::nanf(""));
+}
+
+TEST(Solve, ADelayedCameraIsSolvedAtItsOwnFrames) {
+  SimulationOptions options = testing::SmallSimulation();
+  options.clips = 1;
+  options.seconds = 12.0;
+  Dataset dataset = testing::Simulate(options).dataset;
+  Dataset delayed = dataset;
+  Delay(delayed.sequences[0].cameras[2], dataset.skeleton.joint_count(), 5);
+  const std::vector<float> keypoints = delayed.sequences[0].cameras[2].keypoints;
+  Solve(dataset, testing::NoisyTruth(dataset), {});
+  const SolveReport report = Solve(delayed, testing::NoisyTruth(delayed), {});
+  ASSERT_THAT(report.captures[0].offsets, SizeIs(1));
+  EXPECT_EQ(report.captures[0].offsets[0].camera, delayed.sequences[0].cameras[2].name);
+  EXPECT_EQ(report.captures[0].offsets[0].frames, -5);
+  EXPECT_THAT(report.ToText(), HasSubstr("5 frames later"));
+  EXPECT_EQ(
+      std::memcmp(keypoints.data(), delayed.sequences[0].cameras[2].keypoints.data(), keypoints.size() * sizeof(float)),
+      0);
+  // The truth moved with the keypoints.
+  EXPECT_LT(Median(ErrorsMm(delayed.sequences[0], delayed.skeleton)),
+            1.1 * Median(ErrorsMm(dataset.sequences[0], dataset.skeleton)));
+}
+
+}  // namespace
+}  // namespace canonpose

@@ -108,7 +108,8 @@ bool AlignClip(CaptureObservations& capture, const Solution& solution, int clip,
     for (int v = 0; v < capture.view_count(); ++v) {
       if (!solution.estimate.CameraAt(0, v).valid) continue;
       if (is_pair && v != LastUsedView(capture, solution)) continue;
-      const OffsetEstimate found = EstimateOffset(capture, solution, clip, v);
+      const bool was_moved = offsets[static_cast<std::size_t>(v)] != 0;
+      const OffsetEstimate found = EstimateOffset(capture, solution, clip, v, was_moved);
       if (found.gain <= best.gain) continue;
       best = found;
       best_view = v;

@@ -20,7 +20,7 @@ constexpr int kOffsetRunFrames = 60;
 /// With fewer frames of its own a camera has no offset that could be told.
 constexpr int kLeastOffsetFrames = 20;
 /// An offset is believed where it fits better by this many standard errors and this share of the cost.
-constexpr double kOffsetSigma = 4.0;
+constexpr double kOffsetSigma = 3.0;
 constexpr double kOffsetShare = 0.05;
 /// Frames from which a camera is found anew at an offset.
 constexpr int kRefitFrames = 40;
@@ -50,7 +50,7 @@ double Scatter(const CaptureObservations& capture, const Solution& solution, int
 class OffsetSearch {
  public:
   OffsetSearch(const CaptureObservations& capture, const Solution& solution, int clip, int view);
-  [[nodiscard]] OffsetEstimate Best() const;
+  [[nodiscard]] OffsetEstimate Best(bool refine) const;
 
  private:
   void LookAt(const std::vector<int>& frames);
@@ -253,7 +253,7 @@ double Mean(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-OffsetEstimate OffsetSearch::Best() const {
+OffsetEstimate OffsetSearch::Best(bool refine) const {
   if (static_cast<int>(frames_.size()) < kLeastOffsetFrames) return {};
   int best = most_;
   for (int i = 0; i < static_cast<int>(costs_.size()); ++i) {
@@ -261,7 +261,9 @@ OffsetEstimate OffsetSearch::Best() const {
   }
   if (best == most_) return {};
   const double now = Mean(costs_[static_cast<std::size_t>(most_)]);
-  if (now - Mean(costs_[static_cast<std::size_t>(best)]) < kOffsetShare * now) return {};
+  const double gain = now - Mean(costs_[static_cast<std::size_t>(best)]);
+  if (refine) return {best - most_, gain};
+  if (gain < kOffsetShare * now) return {};
   const std::vector<double> blocks = BlockMeans(best);
   if (blocks.size() < 2) return {};
   const double mean = Mean(blocks);
@@ -274,8 +276,9 @@ OffsetEstimate OffsetSearch::Best() const {
 
 }  // namespace
 
-OffsetEstimate EstimateOffset(const CaptureObservations& capture, const Solution& solution, int clip, int view) {
-  return OffsetSearch(capture, solution, clip, view).Best();
+OffsetEstimate EstimateOffset(const CaptureObservations& capture, const Solution& solution, int clip, int view,
+                              bool refine) {
+  return OffsetSearch(capture, solution, clip, view).Best(refine);
 }
 
 }  // namespace canonpose

@@ -15,6 +15,8 @@ struct OffsetEstimate {
   int frames = 0;
   double gain = 0.0;
 };
-OffsetEstimate EstimateOffset(const CaptureObservations& capture, const Solution& solution, int clip, int view);
+/// `refine`: the view was moved already, and is moved on to wherever it fits better at all.
+OffsetEstimate EstimateOffset(const CaptureObservations& capture, const Solution& solution, int clip, int view,
+                              bool refine);
 
 }  // namespace canonpose

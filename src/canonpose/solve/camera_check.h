@@ -19,9 +19,6 @@ struct CameraCheck {
   std::vector<bool> dropped;              ///< (V) shows something else, and has no part any more
 };
 
-/// Offsets of up to this many frames are found.
-inline constexpr int kMostOffset = 15;
-
 /// Moves the observations of a view in one clip by `frames`: what was seen in frame n is then seen in n + frames.
 /// Frames that come from outside the clip show nothing.
 void ShiftView(CaptureObservations& capture, int clip, int view, int frames);
@@ -32,14 +29,6 @@ void DropView(CaptureObservations& capture, int view);
 /// The median distance of a view's keypoints from where the other views' joints are seen in it, body units, over up to
 /// a few hundred frames; with two views, from the joints of both. NaN where nothing can be told. Cameras are known.
 double DisagreementOf(const CaptureObservations& capture, const Solution& solution, int view);
-
-/// The time offset in frames at which a view of static cameras fits the others best in a clip, 0 where no other one is
-/// clearly better. `gain` is how much less the mean cost of a keypoint is.
-struct OffsetEstimate {
-  int frames = 0;
-  double gain = 0.0;
-};
-OffsetEstimate EstimateOffset(const CaptureObservations& capture, const Solution& solution, int clip, int view);
 
 /// Shifts views of static cameras in time until they fit, and drops views that do not belong to the others, in
 /// `capture`; calibrates again after every change, `solution` being the calibration of the capture as it is. With two

@@ -1,0 +1,284 @@
+#include "canonpose/solve/time_offset.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <ceres/loss_function.h>
+#include <ceres/manifold.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include "canonpose/solve/initialisation.h"
+#include "canonpose/solve/residuals.h"
+
+namespace canonpose {
+namespace {
+
+/// Runs of consecutive frames of a clip in which offsets are looked for.
+constexpr int kOffsetRuns = 4;
+constexpr int kOffsetRunFrames = 60;
+/// With fewer frames of its own a camera has no offset that could be told.
+constexpr int kLeastOffsetFrames = 20;
+/// An offset is believed where it fits better by this many standard errors and this share of the cost.
+constexpr double kOffsetSigma = 3.0;
+constexpr double kOffsetShare = 0.05;
+/// Frames from which a camera is found anew at an offset.
+constexpr int kRefitFrames = 40;
+constexpr double kBoneScatter = 0.1;
+constexpr double kBlockSeconds = 0.5;
+
+double Cauchy(double error) { return std::log1p(error * error / (kLossScale * kLossScale)); }
+
+int UsedViews(const CaptureObservations& capture, const Solution& solution, int frame) {
+  int used = 0;
+  for (int v = 0; v < capture.view_count(); ++v) used += solution.estimate.CameraAt(frame, v).valid ? 1 : 0;
+  return used;
+}
+
+/// The distance of a keypoint from a joint's projection into a static camera, in body units; NaN where it is behind it.
+double DistanceOf(const CameraEstimate& camera, const Eigen::Vector2d& keypoint, const Eigen::Vector3d& joint) {
+  const Eigen::Vector3d p = camera.Rotation() * joint + Eigen::Vector3d::Map(camera.placement.data());
+  if (!(p.z() > 0.0)) return std::nan("");
+  return (p.head<2>() - keypoint * p.z() / camera.Focal()).norm();
+}
+
+double Scatter(const CaptureObservations& capture, const Solution& solution, int frame, int view, int joint) {
+  return solution.scales.observation.Scatter(joint, capture.confidence[capture.Index(frame, view, joint)]);
+}
+
+/// How a view fits the others in a clip at each offset -most .. most; one mean cost for each frame that was looked at.
+class OffsetSearch {
+ public:
+  OffsetSearch(const CaptureObservations& capture, const Solution& solution, int clip, int view);
+  [[nodiscard]] OffsetEstimate Best(bool refine) const;
+
+ private:
+  void LookAt(const std::vector<int>& frames);
+  /// The mean cost of the view's keypoints of `frame` at an offset; NaN where there is nothing to compare.
+  [[nodiscard]] double CostAgainstOthers(int frame, int offset, const CameraEstimate& camera);
+  /// The view's camera as it fits the others' joints best at an offset: where it was found with the wrong time, it
+  /// stands where that hurts least.
+  [[nodiscard]] CameraEstimate Refit(int offset);
+  [[nodiscard]] double CostOfPair(int frame, int offset) const;
+  const std::vector<Eigen::Vector3d>& OthersAt(int frame);
+  [[nodiscard]] std::vector<double> BlockMeans(int offset_index) const;
+
+  const CaptureObservations& capture_;
+  const Solution& solution_;
+  const ClipRange& clip_;
+  int view_;
+  int other_view_ = -1;  ///< where there are two alone
+  int most_ = kMostOffset;
+  std::vector<std::vector<Eigen::Vector3d>> others_;  ///< by frame of the clip; empty: not yet asked for
+  std::vector<int> frames_;
+  std::vector<std::vector<double>> costs_;  ///< (2 most + 1, frames)
+};
+
+OffsetSearch::OffsetSearch(const CaptureObservations& capture, const Solution& solution, int clip, int view)
+    : capture_(capture),
+      solution_(solution),
+      clip_(capture.clips[static_cast<std::size_t>(clip)]),
+      view_(view),
+      others_(static_cast<std::size_t>(clip_.count)) {
+  if (!solution.estimate.CameraAt(clip_.first, view).valid) return;
+  if (UsedViews(capture, solution, clip_.first) == 2) {
+    for (int v = 0; v < capture.view_count(); ++v) {
+      if (v != view && solution.estimate.CameraAt(clip_.first, v).valid) other_view_ = v;
+    }
+  }
+  most_ = std::min(kMostOffset, (clip_.count - kLeastOffsetFrames) / 2);
+  if (most_ < 1) return;
+  costs_.resize(static_cast<std::size_t>(2 * most_ + 1));
+  const int count = clip_.count - 2 * most_;  // frames that have all their neighbours
+  const int runs = std::clamp(count / kOffsetRunFrames, 1, kOffsetRuns);
+  std::vector<int> frames;
+  for (int r = 0; r < runs; ++r) {
+    const int first = runs == 1 ? 0 : r * (count - kOffsetRunFrames) / (runs - 1);
+    const int end = std::min(count, runs == 1 ? kOffsetRuns * kOffsetRunFrames : first + kOffsetRunFrames);
+    for (int t = first; t < end; ++t) {
+      const int frame = clip_.first + most_ + t;
+      if (frames.empty() || frame > frames.back()) frames.push_back(frame);
+    }
+  }
+  LookAt(frames);
+}
+
+const std::vector<Eigen::Vector3d>& OffsetSearch::OthersAt(int frame) {
+  std::vector<Eigen::Vector3d>& joints = others_[static_cast<std::size_t>(frame - clip_.first)];
+  if (joints.empty()) {
+    for (int j = 0; j < capture_.joint_count(); ++j) {
+      joints.push_back(TriangulateJoint(capture_, frame, j, solution_.scales, solution_.estimate, view_).point);
+    }
+  }
+  return joints;
+}
+
+CameraEstimate OffsetSearch::Refit(int offset) {
+  CameraEstimate camera = solution_.estimate.CameraAt(clip_.first, view_);
+  ceres::CauchyLoss loss(kLossScale);
+  ceres::QuaternionManifold quaternions;
+  ceres::Problem::Options problem_options;
+  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  problem_options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(problem_options);
+  const int step = std::max(1, static_cast<int>(frames_.size()) / kRefitFrames);
+  for (std::size_t i = 0; i < frames_.size(); i += static_cast<std::size_t>(step)) {
+    const int frame = frames_[i];
+    OthersAt(frame + offset);
+    std::vector<Eigen::Vector3d>& joints = others_[static_cast<std::size_t>(frame + offset - clip_.first)];
+    for (int j = 0; j < capture_.joint_count(); ++j) {
+      Eigen::Vector3d& joint = joints[static_cast<std::size_t>(j)];
+      if (!capture_.Sees(frame, view_, j) || !joint.allFinite()) continue;
+      const double depth = (camera.Rotation() * joint + Eigen::Vector3d::Map(camera.placement.data())).z();
+      if (!(depth > 0.0)) continue;
+      const double weight = depth / camera.Focal() / Scatter(capture_, solution_, frame, view_, j);
+      problem.AddResidualBlock(ReprojectionTerm<false>::Create(capture_.At(frame, view_, j), weight), &loss,
+                               camera.quaternion.data(), camera.placement.data(), &camera.log_focal, joint.data());
+      problem.SetParameterBlockConstant(joint.data());
+    }
+  }
+  if (problem.NumResidualBlocks() == 0) return camera;
+  problem.SetManifold(camera.quaternion.data(), &quaternions);
+  problem.SetParameterBlockConstant(&camera.log_focal);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = 8;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  return camera;
+}
+
+double OffsetSearch::CostAgainstOthers(int frame, int offset, const CameraEstimate& camera) {
+  const std::vector<Eigen::Vector3d>& joints = OthersAt(frame + offset);
+  double sum = 0.0;
+  int count = 0;
+  for (int j = 0; j < capture_.joint_count(); ++j) {
+    if (!capture_.Sees(frame, view_, j)) continue;
+    const double error = DistanceOf(camera, capture_.At(frame, view_, j), joints[static_cast<std::size_t>(j)]);
+    if (!std::isfinite(error)) continue;
+    sum += Cauchy(error / Scatter(capture_, solution_, frame, view_, j));
+    ++count;
+  }
+  return sum / count;
+}
+
+/// Two views: how well rays of the one in `frame` and of the other in `frame` + `offset` meet, and whether bones keep
+/// their lengths.
+double OffsetSearch::CostOfPair(int frame, int offset) const {
+  const int other_frame = frame + offset;
+  double sum = 0.0;
+  int count = 0;
+  std::vector<Eigen::Vector3d> joints;
+  // Both views in one frame of a capture of its own.
+  CaptureObservations pair;
+  pair.skeleton = capture_.skeleton;
+  pair.cameras = capture_.cameras;
+  const auto joint_count = static_cast<std::ptrdiff_t>(capture_.joint_count());
+  pair.xy.assign(2 * capture_.cameras.size() * capture_.skeleton.joints.size(), std::nanf(""));
+  pair.confidence.assign(capture_.cameras.size() * capture_.skeleton.joints.size(), 0.0F);
+  const auto take = [&](int from_frame, int v) {
+    const auto from = static_cast<std::ptrdiff_t>(capture_.Index(from_frame, v, 0));
+    std::copy_n(capture_.xy.begin() + 2 * from, 2 * joint_count, &pair.xy[2 * pair.Index(0, v, 0)]);
+    std::copy_n(capture_.confidence.begin() + from, joint_count, &pair.confidence[pair.Index(0, v, 0)]);
+  };
+  take(frame, view_);
+  take(other_frame, other_view_);
+  for (int j = 0; j < capture_.joint_count(); ++j) {
+    joints.push_back(TriangulateJoint(pair, 0, j, solution_.scales, solution_.estimate).point);
+    if (!joints.back().allFinite()) continue;
+    for (const int v : {view_, other_view_}) {
+      const double error = DistanceOf(solution_.estimate.CameraAt(0, v), pair.At(0, v, j), joints.back());
+      if (!std::isfinite(error)) continue;
+      sum += Cauchy(error / Scatter(pair, solution_, 0, v, j));
+      ++count;
+    }
+  }
+  const std::vector<double>& lengths = solution_.estimate.log_bone_lengths[static_cast<std::size_t>(clip_.subject)];
+  for (int j = 0; j < capture_.joint_count(); ++j) {
+    const int parent = capture_.skeleton.parents[static_cast<std::size_t>(j)];
+    if (parent < 0) continue;
+    const Eigen::Vector3d bone = joints[static_cast<std::size_t>(j)] - joints[static_cast<std::size_t>(parent)];
+    const double error = std::log(bone.norm()) - lengths[static_cast<std::size_t>(j)];
+    if (std::isfinite(error)) sum += Cauchy(error / kBoneScatter);
+  }
+  return sum / count;
+}
+
+void OffsetSearch::LookAt(const std::vector<int>& frames) {
+  frames_ = frames;
+  std::vector<std::vector<double>> costs;
+  for (int offset = -most_; offset <= most_; ++offset) {
+    const CameraEstimate camera = other_view_ >= 0 ? CameraEstimate{} : Refit(offset);
+    costs.emplace_back();
+    for (const int frame : frames) {
+      costs.back().push_back(other_view_ >= 0 ? CostOfPair(frame, offset) : CostAgainstOthers(frame, offset, camera));
+    }
+  }
+  // The same frames for all offsets, or their means could not be compared.
+  frames_.clear();
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (!std::ranges::all_of(costs, [i](const std::vector<double>& of_offset) { return std::isfinite(of_offset[i]); }))
+      continue;
+    frames_.push_back(frames[i]);
+    for (std::size_t o = 0; o < costs.size(); ++o) costs_[o].push_back(costs[o][i]);
+  }
+}
+
+std::vector<double> OffsetSearch::BlockMeans(int offset_index) const {
+  const std::vector<double>& costs = costs_[static_cast<std::size_t>(offset_index)];
+  const std::vector<double>& now = costs_[static_cast<std::size_t>(most_)];
+  std::vector<double> blocks;
+  int begin = 0;
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    if (count > 0 && frames_[i] - begin > kBlockSeconds * clip_.fps) {
+      blocks.push_back(sum / count);
+      sum = 0.0;
+      count = 0;
+    }
+    if (count == 0) begin = frames_[i];
+    sum += now[i] - costs[i];
+    ++count;
+  }
+  if (count > 0) blocks.push_back(sum / count);
+  return blocks;
+}
+
+double Mean(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+OffsetEstimate OffsetSearch::Best(bool refine) const {
+  if (static_cast<int>(frames_.size()) < kLeastOffsetFrames) return {};
+  int best = most_;
+  for (int i = 0; i < static_cast<int>(costs_.size()); ++i) {
+    if (Mean(costs_[static_cast<std::size_t>(i)]) < Mean(costs_[static_cast<std::size_t>(best)])) best = i;
+  }
+  if (best == most_) return {};
+  const double now = Mean(costs_[static_cast<std::size_t>(most_)]);
+  const double gain = now - Mean(costs_[static_cast<std::size_t>(best)]);
+  if (refine) return {best - most_, gain};
+  if (gain < kOffsetShare * now) return {};
+  const std::vector<double> blocks = BlockMeans(best);
+  if (blocks.size() < 2) return {};
+  const double mean = Mean(blocks);
+  double squares = 0.0;
+  for (const double block : blocks) squares += (block - mean) * (block - mean);
+  const double error = std::sqrt(squares / static_cast<double>(blocks.size() * (blocks.size() - 1)));
+  if (mean < kOffsetSigma * error) return {};
+  return {best - most_, mean};
+}
+
+}  // namespace
+
+OffsetEstimate EstimateOffset(const CaptureObservations& capture, const Solution& solution, int clip, int view,
+                              bool refine) {
+  return OffsetSearch(capture, solution, clip, view).Best(refine);
+}
+
+}  // namespace canonpose

@@ -17,7 +17,7 @@ struct WildCaptureOptions {
   double fps = 4.0;          ///< low: neighbouring frames teach the same
   int cameras = 4;           ///< of a clip, each circling around the person from anywhere
   double off_centre = 1.0;   ///< how far from the middle of the picture the person is: 1 anywhere in it
-  double wild_share = 0.85;   ///< of the clips; the others move as the activities have it
+  double wild_share = 0.85;  ///< of the clips; the others move as the activities have it
   double mixed_share = 0.3;  ///< of the wild clips: upper and lower body of different activities
   WildOptions wild;
   DetectorOptions detector;  ///< each clip has a detector of its own

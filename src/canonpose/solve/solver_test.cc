@@ -178,12 +178,13 @@ TEST(Solve, ADelayedCameraIsSolvedAtItsOwnFrames) {
   SimulationOptions options = testing::SmallSimulation();
   options.clips = 1;
   options.seconds = 12.0;
-  Dataset dataset = testing::Simulate(options).dataset;
-  Dataset delayed = dataset;
-  Delay(delayed.sequences[0].cameras[2], dataset.skeleton.joint_count(), 5);
+  Dataset delayed = testing::Simulate(options).dataset;
+  Delay(delayed.sequences[0].cameras[2], delayed.skeleton.joint_count(), 5);
   const std::vector<float> keypoints = delayed.sequences[0].cameras[2].keypoints;
-  Solve(dataset, testing::NoisyTruth(dataset), {});
-  const SolveReport report = Solve(delayed, testing::NoisyTruth(delayed), {});
+  SolveOptions solve;
+  solve.mirror = "keep";
+  solve.calibration_frames = 150;
+  const SolveReport report = Solve(delayed, testing::NoisyTruth(delayed), solve);
   ASSERT_THAT(report.captures[0].offsets, SizeIs(1));
   EXPECT_EQ(report.captures[0].offsets[0].camera, delayed.sequences[0].cameras[2].name);
   EXPECT_EQ(report.captures[0].offsets[0].frames, -5);
@@ -191,9 +192,8 @@ TEST(Solve, ADelayedCameraIsSolvedAtItsOwnFrames) {
   EXPECT_EQ(
       std::memcmp(keypoints.data(), delayed.sequences[0].cameras[2].keypoints.data(), keypoints.size() * sizeof(float)),
       0);
-  // The truth moved with the keypoints.
-  EXPECT_LT(Median(ErrorsMm(delayed.sequences[0], delayed.skeleton)),
-            1.1 * Median(ErrorsMm(dataset.sequences[0], dataset.skeleton)));
+  // The truth moved with the keypoints; without a delay the median is 22 mm.
+  EXPECT_LT(Median(ErrorsMm(delayed.sequences[0], delayed.skeleton)), 24.0);
 }
 
 }  // namespace

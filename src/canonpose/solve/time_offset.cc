@@ -1,6 +1,7 @@
 #include "canonpose/solve/time_offset.h"
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 
 #include <ceres/loss_function.h>
@@ -24,6 +25,8 @@ constexpr double kOffsetSigma = 3.0;
 constexpr double kOffsetShare = 0.05;
 /// Frames from which a camera is found anew at an offset.
 constexpr int kRefitFrames = 40;
+/// At every third offset; at those between, as at the nearest.
+constexpr int kRefitStep = 3;
 constexpr double kBoneScatter = 0.1;
 constexpr double kBlockSeconds = 0.5;
 
@@ -209,8 +212,14 @@ double OffsetSearch::CostOfPair(int frame, int offset) const {
 void OffsetSearch::LookAt(const std::vector<int>& frames) {
   frames_ = frames;
   std::vector<std::vector<double>> costs;
+  CameraEstimate camera;
+  int refitted_at = INT_MIN;
   for (int offset = -most_; offset <= most_; ++offset) {
-    const CameraEstimate camera = other_view_ >= 0 ? CameraEstimate{} : Refit(offset);
+    const int nearest = static_cast<int>(std::lround(static_cast<double>(offset) / kRefitStep)) * kRefitStep;
+    if (other_view_ < 0 && nearest != refitted_at) {
+      camera = Refit(std::clamp(nearest, -most_, most_));
+      refitted_at = nearest;
+    }
     costs.emplace_back();
     for (const int frame : frames) {
       costs.back().push_back(other_view_ >= 0 ? CostOfPair(frame, offset) : CostAgainstOthers(frame, offset, camera));

@@ -141,6 +141,7 @@ Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOp
     solution.estimate = InitialiseMoving(capture, usable, camera_from_world, mirrored);
     solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
     AdjustTwice(capture, frames, -1, solution);
+    solution.scales.turning_per_second = MeasureTurning(capture, frames, solution.estimate);
     SpreadFocalLengths(capture, frames, solution);
     return solution;
   });

@@ -6,9 +6,13 @@
 #include <Eigen/Eigenvalues>
 
 #include "canonpose/base/median.h"
+#include "canonpose/solve/rotation_averaging.h"
 
 namespace canonpose {
 namespace {
+
+/// The median length of a normally distributed 3-vector, in units of its scatter along an axis.
+constexpr double kMedianLength = 1.54;
 
 /// Cauchy's loss of each frame's keypoints, mean over those of the frame; NaN for frames without.
 std::vector<double> FrameCosts(const CaptureObservations& capture, std::span<const int> frames,
@@ -55,10 +59,31 @@ std::vector<double> MeasureAccelerations(const CaptureObservations& capture, con
     }
     // s1 = e + a, s3 = e + 81 a.
     const double acceleration2 = std::max((squares[1] - squares[0]) / 80.0, 0.0);
-    // The median length of a 3-vector is 1.54 of its scatter along an axis.
-    scatter.push_back(std::max(std::sqrt(acceleration2) / 1.54, 1e-5));
+    scatter.push_back(std::max(std::sqrt(acceleration2) / kMedianLength, 1e-5));
   }
   return scatter;
+}
+
+double MeasureTurning(const CaptureObservations& capture, std::span<const int> frames, const RigEstimate& estimate) {
+  constexpr double kSpurts = 2.0;
+  constexpr double kLeast = 0.1;
+  constexpr double kMost = 1.0;
+  std::vector<double> speeds;
+  const std::vector<int> runs = RunsOf(capture, frames);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const double fps = capture.ClipOf(frames[i]).fps;
+    const auto run_begin = static_cast<std::size_t>(std::ranges::lower_bound(runs, runs[i]) - runs.begin());
+    const std::size_t step = std::min(static_cast<std::size_t>(std::lround(fps)), i - run_begin);
+    if (static_cast<double>(step) < 0.5 * fps) continue;
+    for (int v = 0; v < capture.view_count(); ++v) {
+      const CameraEstimate& before = estimate.CameraAt(frames[i - step], v);
+      const CameraEstimate& now = estimate.CameraAt(frames[i], v);
+      if (!before.valid || !now.valid) continue;
+      speeds.push_back(RotationAngle(before.Rotation(), now.Rotation()) * fps / static_cast<double>(step));
+    }
+  }
+  if (speeds.empty()) return AdjustmentScales{}.turning_per_second;
+  return std::clamp(kSpurts * Median(std::move(speeds)) / kMedianLength, kLeast, kMost);
 }
 
 double Preference(const CaptureObservations& capture, std::span<const int> frames, const Solution& a,

@@ -44,6 +44,12 @@ NoiseModel MeasureNoise(const CaptureObservations& capture, std::span<const int>
 /// square of the step.
 std::vector<double> MeasureAccelerations(const CaptureObservations& capture, const RigEstimate& estimate);
 
+/// How fast moving cameras turn, radians a second about an axis (scatter over cameras, runs and time, 0.1 .. 1): from
+/// their turning over a second of `frames` (ascending), in which the error of a frame's rotation tells little. The
+/// expected turning of AdjustmentScales where no run is as long as half a second. Twice what is measured, since turns come
+/// in spurts.
+double MeasureTurning(const CaptureObservations& capture, std::span<const int> frames, const RigEstimate& estimate);
+
 /// How many standard errors `a` explains the frames better than `b`: of the mean difference of robust errors over
 /// blocks of half a second, since frames near in time err alike. 0 where there are too few to tell.
 double Preference(const CaptureObservations& capture, std::span<const int> frames, const Solution& a,

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include "canonpose/base/median.h"
+#include "canonpose/geometry/viewing_ray.h"
 
 namespace canonpose {
 namespace {
@@ -19,6 +22,7 @@ void CameraComparison::AddFrame(const Sequence& sequence, int frame) {
   struct Pair {
     Eigen::Matrix3d solved;
     Eigen::Matrix3d truth;
+    Eigen::Matrix3d centred_truth;
   };
   std::vector<Pair> before;
   for (const CameraView& view : sequence.cameras) {
@@ -26,9 +30,13 @@ void CameraComparison::AddFrame(const Sequence& sequence, int frame) {
     const Camera& solved = view.SolvedCalibrationAt(frame);
     const Camera& truth = view.CalibrationAt(frame);
     focals_percent_.push_back(100.0 * std::abs(solved.K(0, 0) / truth.K(0, 0) - 1.0));
-    const Pair now{solved.camera_from_world_rotation, truth.camera_from_world_rotation};
+    const Eigen::Vector3d axis = truth.K.inverse() * solved.K.col(2);
+    const Pair now{solved.camera_from_world_rotation, truth.camera_from_world_rotation,
+                   RotationOntoAxis(axis) * truth.camera_from_world_rotation};
     for (const Pair& other : before) {
-      rotations_deg_.push_back(AngleDeg(now.solved * other.solved.transpose(), now.truth * other.truth.transpose()));
+      const Eigen::Matrix3d relative = now.solved * other.solved.transpose();
+      rotations_deg_.push_back(AngleDeg(relative, now.truth * other.truth.transpose()));
+      centred_deg_.push_back(AngleDeg(relative, now.centred_truth * other.centred_truth.transpose()));
     }
     before.push_back(now);
   }
@@ -43,7 +51,7 @@ void CameraComparison::Add(const Dataset& dataset) {
 
 std::optional<CameraErrors> CameraComparison::Medians() const {
   if (rotations_deg_.empty()) return std::nullopt;
-  return CameraErrors{Median(rotations_deg_), Median(focals_percent_)};
+  return CameraErrors{Median(rotations_deg_), Median(centred_deg_), Median(focals_percent_)};
 }
 
 }  // namespace canonpose

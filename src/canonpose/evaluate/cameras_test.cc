@@ -1,5 +1,7 @@
 #include "canonpose/evaluate/cameras.h"
 
+#include <cmath>
+
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
@@ -44,6 +46,23 @@ TEST(CameraComparisonTest, OnlyRelativeRotationsCount) {
   off.Add(dataset);
   EXPECT_NEAR(off.Medians()->relative_rotation_deg, 0.1 * 180.0 / M_PI, 1e-6);
   EXPECT_NEAR(off.Medians()->focal_percent, 10.0, 1e-9);
+}
+
+TEST(CameraComparisonTest, ALensBesideTheMiddleIsATurnedCamera) {
+  Dataset dataset = TwoCameras();
+  const double shift_px = 1000.0 * std::tan(0.02);
+  for (std::size_t v = 0; v < 2; ++v) {
+    CameraView& view = dataset.sequences[0].cameras[v];
+    view.solved_calibration = view.calibration;  // takes pixel (0, 0) for the optical axis
+    view.calibration[0].K(0, 2) = v == 0 ? 0.0 : shift_px;
+    // The true camera's axis lies to the right of the one solved for.
+    if (v == 1)
+      view.calibration[0].camera_from_world_rotation = CameraOf(1000.0, 1.0 - 0.02).camera_from_world_rotation;
+  }
+  CameraComparison comparison;
+  comparison.Add(dataset);
+  EXPECT_NEAR(comparison.Medians()->relative_rotation_deg, 0.02 * 180.0 / M_PI, 1e-6);
+  EXPECT_NEAR(comparison.Medians()->centred_rotation_deg, 0.0, 1e-6);
 }
 
 TEST(CameraComparisonTest, NothingToCompareIsNothing) {

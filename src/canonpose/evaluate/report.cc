@@ -54,6 +54,7 @@ std::string ReportAsJson(const EvaluationReport& report) {
   json["left_out_joints"] = report.left_out_joints;
   if (report.cameras) {
     json["cameras"] = {{"relative_rotation_deg", report.cameras->relative_rotation_deg},
+                       {"centred_rotation_deg", report.cameras->centred_rotation_deg},
                        {"focal_percent", report.cameras->focal_percent}};
   }
   json["per_sequence"] = Json::object();
@@ -79,8 +80,10 @@ std::string ReportAsTable(const EvaluationReport& report) {
     text += " (train again with --mirror flip, or keep where `info` says it was flipped)";
   text += fmt::format("\nDepth of the poses: {:.2f} times the truth's", report.depth_extent_ratio);
   if (report.cameras) {
-    text += fmt::format("\nCameras: relative rotations {:.2f} degrees off, focal lengths {:.1f} % (medians)",
-                        report.cameras->relative_rotation_deg, report.cameras->focal_percent);
+    text += fmt::format(
+        "\nCameras: relative rotations {:.2f} degrees off ({:.2f} about the axes that were solved for), focal "
+        "lengths {:.1f} % (medians)",
+        report.cameras->relative_rotation_deg, report.cameras->centred_rotation_deg, report.cameras->focal_percent);
   }
   text += fmt::format("\n\n  {:<24}{:>10}{:>10}{:>10}{:>10}{:>10}\n", "", "N-MPJPE", "PMPJPE", "PCK150", "AUC", "CPS");
   text += fmt::format("  {:<24}{:>10}{:>10}{:>10}{:>10}{:>10}\n", "", "mm", "mm", "%", "%", "0-300");

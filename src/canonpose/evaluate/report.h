@@ -47,7 +47,8 @@ struct EvaluationReport {
 
 /// The contract's keys, and beside them `reference`, `reference_reprojection_error_px` {median, mean} where the
 /// reference was triangulated, `missing_predictions`, `unusable_truths`, `mirrored_percent`,
-/// `depth_extent_ratio`, `left_out_joints` and, of solved cameras, `cameras` {relative_rotation_deg, focal_percent}.
+/// `depth_extent_ratio`, `left_out_joints` and, of solved cameras, `cameras` {relative_rotation_deg,
+/// centred_rotation_deg, focal_percent}.
 /// `frames` and `joints` are numbers.
 std::string ReportAsJson(const EvaluationReport& report);
 

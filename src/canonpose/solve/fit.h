@@ -46,8 +46,8 @@ std::vector<double> MeasureAccelerations(const CaptureObservations& capture, con
 
 /// How fast moving cameras turn, radians a second about an axis (scatter over cameras, runs and time, 0.1 .. 1): from
 /// their turning over a second of `frames` (ascending), in which the error of a frame's rotation tells little. The
-/// expected turning of AdjustmentScales where no run is as long as half a second. Twice what is measured, since turns come
-/// in spurts.
+/// expected turning of AdjustmentScales where no run is as long as half a second. Twice what is measured, since turns
+/// come in spurts.
 double MeasureTurning(const CaptureObservations& capture, std::span<const int> frames, const RigEstimate& estimate);
 
 /// How many standard errors `a` explains the frames better than `b`: of the mean difference of robust errors over

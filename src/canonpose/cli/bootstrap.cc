@@ -1,5 +1,6 @@
 #include "canonpose/cli/bootstrap.h"
 
+#include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/lift/lifter.h"
+#include "canonpose/solve/factorisation.h"
 #include "canonpose/train/starter.h"
 #include "canonpose/train/trainer.h"
 
@@ -73,10 +75,14 @@ StartPoses BootstrapByMethod(const Dataset& dataset, const std::string& file, co
 StartPoses Bootstrap(const Dataset& dataset, const std::string& file, const BootstrapOptions& options) {
   if (!options.model.empty()) return LiftAll(PoseLifter::Open(options.model, options.device), dataset, file);
   const bool knows = StarterKnows(dataset.skeleton);
+  const bool stands = std::ranges::all_of(dataset.sequences, &Sequence::static_cameras);
   if (options.kind == "starter" && !knows) {
     ThrowBadInput({file, "/skeleton", "a person's joints, by the names of a built-in skeleton",
                    fmt::format("{}", fmt::join(dataset.skeleton.joints, ", ")),
-                   "start by the method instead, or name a model that was trained on such data"});
+                   "choose another --bootstrap, or name a model that was trained on such data"});
+  }
+  if (options.kind == "factorisation" || (options.kind == "auto" && !knows && stands)) {
+    return FactorisedStart(dataset, file);
   }
   if (options.kind == "method" || !knows) return BootstrapByMethod(dataset, file, options);
   StarterOptions starter;

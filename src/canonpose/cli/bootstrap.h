@@ -1,4 +1,4 @@
-// What self-calibration starts from: a lifter's poses of every view.
+// What self-calibration starts from: rough poses of every view.
 #pragma once
 
 #include <filesystem>
@@ -21,8 +21,9 @@ struct BootstrapOptions {
 };
 
 /// The poses that a lifter sees in each view of the dataset: the lifter named by the options, or a starter that was
-/// trained on simulated people (taken from the cache, or trained now), or, for other bodies than people's, one that is
-/// trained now on the dataset itself by the method. `file` is the dataset's name for messages. Throws Error.
+/// trained on simulated people (taken from the cache, or trained now). For other bodies than people's the poses are
+/// those of a factorisation where all cameras stand still, otherwise of a lifter trained now on the dataset itself by
+/// the method. `file` is the dataset's name for messages. Throws Error.
 StartPoses Bootstrap(const Dataset& dataset, const std::string& file, const BootstrapOptions& options);
 
 }  // namespace canonpose

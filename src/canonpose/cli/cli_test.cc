@@ -19,6 +19,7 @@
 #include "canonpose/base/hdf5.h"
 #include "canonpose/base/random.h"
 #include "canonpose/base/testing.h"
+#include "canonpose/data/dataset.h"
 
 namespace canonpose {
 namespace {
@@ -304,6 +305,24 @@ TEST(Program, SolvesAndDistils) {
   EXPECT_EQ(Execute({"solve", folder / "a.h5", "-o", folder / "x.h5", "--mirror", "sideways"}).exit_code, 2);
   EXPECT_EQ(Execute({"solve", folder / "none.h5", "-o", folder / "x.h5"}).exit_code, 3);
   EXPECT_EQ(Execute({"solve", folder / "a.h5", "-o", folder / "x.h5", "--model", folder / "none"}).exit_code, 3);
+}
+
+TEST(Program, SolvesBodiesThatAreNoPersons) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(Execute({"simulate", "-o", folder / "a.h5", "--subjects", "1", "--activities", "gait,dance", "--seconds",
+                     "6", "--fps", "20", "--seed", "4"})
+                .exit_code,
+            0);
+  Dataset beast = ReadDataset(folder / "a.h5");
+  for (std::string& joint : beast.skeleton.joints) joint = "beast's " + joint;
+  WriteDataset(folder / "beast.h5", beast);
+  const Outcome solved = Execute({"solve", folder / "beast.h5", "-o", folder / "solved.h5"});
+  ASSERT_EQ(solved.exit_code, 0) << solved.errors;
+  ASSERT_EQ(Execute({"evaluate", folder / "solved.h5", "--json", folder / "figures.json"}).exit_code, 0);
+  const auto figures = nlohmann::json::parse(ReadFile(folder / "figures.json"));
+  EXPECT_LT(figures["p_mpjpe_mm"].get<double>(), 30.0);
+  EXPECT_LT(figures["mirrored_percent"].get<double>(), 2.0);
+  EXPECT_EQ(Execute({"solve", folder / "beast.h5", "-o", folder / "x.h5", "--bootstrap", "starter"}).exit_code, 3);
 }
 
 TEST(Program, BadInputsOfSimulation) {

@@ -52,8 +52,9 @@ void AddSolveCommand(CLI::App& app) {
   command
       ->add_option("--bootstrap", arguments->bootstrap.kind,
                    "Without a model, start from: starter (a lifter trained once on simulated people, about a minute), "
-                   "method (trained on the data itself), or auto: the starter where it knows the joints")
-      ->check(CLI::IsMember({"auto", "starter", "method"}))
+                   "method (trained on the data itself), factorisation (no lifter: static cameras, any body), or auto: "
+                   "the starter where it knows the joints, otherwise factorisation or, for moving cameras, the method")
+      ->check(CLI::IsMember({"auto", "starter", "method", "factorisation"}))
       ->capture_default_str();
   command
       ->add_option("--mirror", arguments->options.mirror,

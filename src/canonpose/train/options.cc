@@ -130,7 +130,7 @@ void TrainOptions::Validate() const {
   require(checkpoint_seconds >= 0, "checkpoint_seconds", "0 or more", checkpoint_seconds);
   RequireOneOf("camera_consistency", camera_consistency, {"off", "static", "window"});
   RequireOneOf("perspective", perspective, {"off", "learned"});
-  RequireOneOf("bootstrap", bootstrap, {"auto", "starter", "method"});
+  RequireOneOf("bootstrap", bootstrap, {"auto", "starter", "method", "factorisation"});
   RequireOneOf("mirror", mirror, {"auto", "keep", "flip"});
   require(new_views >= 0 && new_views <= 1, "new_views", "0 to 1", new_views);
   require(flips >= 0 && flips <= 1, "flips", "0 to 1", flips);

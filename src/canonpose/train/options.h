@@ -21,7 +21,8 @@ struct TrainOptions {
   std::string supervision = "none";  ///< none: the views alone; solved: the 3D poses that `solve` found from all views;
                                      ///< truth: the dataset's true ones, as a measure of what could be had
   /// Of preset best, for data not solved yet: what they are solved from. starter: a lifter trained on simulated people;
-  /// method: one trained on the data by the method; auto: the starter where it knows the joints
+  /// method: one trained on the data by the method; factorisation: none, for static cameras; auto: the starter where it
+  /// knows the joints, otherwise factorisation or, where cameras move, the method
   std::string bootstrap = "auto";
   std::string ray = "off";  ///< root: the root's viewing ray is turned onto the optical axis (model/pose_input.h)
   std::string focal =

@@ -35,6 +35,7 @@ struct Arguments {
   std::string image_size;
   int person = 1;
   std::optional<double> height_m;
+  std::optional<int> smooth_frames;
   std::string device = "cpu";
   long seed = 0;
 };
@@ -105,6 +106,9 @@ void RunLift(const Arguments& arguments) {
   if (arguments.height_m && !(*arguments.height_m > 0.0 && *arguments.height_m < 10.0)) {
     ThrowUsage("--height: expected the person's height in metres, such as 1.75, found {}", *arguments.height_m);
   }
+  if (arguments.smooth_frames && *arguments.smooth_frames < kLeastSmoothing) {
+    ThrowUsage("--smooth: expected {} frames or more, found {}", kLeastSmoothing, *arguments.smooth_frames);
+  }
   if (!fs::exists(arguments.input)) {
     ThrowBadInput({arguments.input.string(), "", "a dataset or a detector's files", "nothing", "check the path"});
   }
@@ -114,6 +118,7 @@ void RunLift(const Arguments& arguments) {
   LiftInput input = is_dataset ? FromDataset(arguments, lifter) : FromDetections(arguments, lifter);
   LiftedPoses lifted = lifter.Lift(input.view, static_cast<int>(input.frames.size()));
   if (arguments.height_m) ScaleToHeight(lifted, lifter.skeleton(), 1000.0 * *arguments.height_m);
+  if (arguments.smooth_frames) Smooth(lifted, input.frames, *arguments.smooth_frames);
 
   LiftOutput output;
   output.pose3d = std::move(lifted.pose_in_camera);
@@ -146,6 +151,8 @@ void AddLiftCommand(CLI::App& app) {
   command->add_option("--frames", arguments->frames, "Frames A-B of the dataset only, counted from 0");
   command->add_option("--height", arguments->height_m,
                       "The person's height in metres: the output is then in millimetres");
+  command->add_option("--smooth", arguments->smooth_frames,
+                      "Smooth a video's poses over so many frames, such as 9 at 30 frames a second (default: not)");
   command->add_option("--person", arguments->person, "Whom to follow in a detector's files: 1 is the most prominent")
       ->check(CLI::PositiveNumber);
   command->add_option("--format", arguments->format, "Format of a detector's files (default: told from their content)");

@@ -1,8 +1,10 @@
 // A trained model at work: 2D poses of one camera in, 3D poses out. No LibTorch in this header.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,8 +48,17 @@ class PoseLifter {
 
 /// Turns every pose to millimetres of a person `height_mm` tall: each pose gets the same sum of bone lengths, and the
 /// person's stature is the median over frames of the path from an ankle over the hips to the head, which are 3.9 %
-/// and, for a head joint, 100 % of the stature above ground (Winter, Biomechanics and Motor Control of Human Movement). Throws
-/// Error(kBadInput) where the skeleton has no such path.
+/// and, for a head joint, 100 % of the stature above ground (Winter, Biomechanics and Motor Control of Human Movement).
+/// Throws Error(kBadInput) where the skeleton has no such path.
 void ScaleToHeight(LiftedPoses& poses, const Skeleton& skeleton, double height_mm);
+
+/// The least window of Smooth().
+inline constexpr int kLeastSmoothing = 5;
+
+/// Replaces every pose by the middle of the quadratics in time that fit each coordinate best over `window_frames`
+/// frames (Savitzky and Golay 1964; at gaps and ends over those that there are); canonical poses follow, rotations
+/// stay. `frames` (T, ascending) are the frames' numbers. A frame that is NaN stays so and has no part; so does one
+/// with too few frames around it keep its pose.
+void Smooth(LiftedPoses& poses, std::span<const std::int64_t> frames, int window_frames);
 
 }  // namespace canonpose

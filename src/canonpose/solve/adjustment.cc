@@ -10,6 +10,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/solve/residuals.h"
+#include "canonpose/solve/serial_linear_algebra.h"
 
 namespace canonpose {
 namespace {
@@ -255,6 +256,7 @@ bool AdjustmentProblem::Solve() {
   options.num_threads = 1;  // the same bits whatever the machine; windows run side by side instead
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
+  const OneOpenMpThread one_thread;
   ceres::Solve(options, &problem_, &summary);
   return summary.IsSolutionUsable();
 }

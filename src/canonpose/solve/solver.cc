@@ -5,7 +5,6 @@
 #include <map>
 #include <numeric>
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
@@ -16,32 +15,12 @@
 #include "canonpose/solve/camera_check.h"
 #include "canonpose/solve/diagnosis.h"
 #include "canonpose/solve/initialisation.h"
+#include "canonpose/solve/serial_linear_algebra.h"
 #include "canonpose/solve/swaps.h"
 #include "canonpose/solve/windows.h"
 
 namespace canonpose {
 namespace {
-
-/// Matrices of a sparse factorisation are small: OpenBLAS's own threads would only wait for each other.
-class OneLinearAlgebraThread {
- public:
-  OneLinearAlgebraThread() {
-    const auto get = reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
-    set_ = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
-    if (get == nullptr || set_ == nullptr) return;
-    before_ = get();
-    set_(1);
-  }
-  ~OneLinearAlgebraThread() {
-    if (before_ > 0) set_(before_);
-  }
-  OneLinearAlgebraThread(const OneLinearAlgebraThread&) = delete;
-  OneLinearAlgebraThread& operator=(const OneLinearAlgebraThread&) = delete;
-
- private:
-  void (*set_)(int) = nullptr;
-  int before_ = 0;
-};
 
 /// A capture between the stages.
 struct CaptureWork {
@@ -243,7 +222,7 @@ void SolveOptions::Validate() const {
 
 SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions& options) {
   options.Validate();
-  const OneLinearAlgebraThread one_thread;
+  const OneBlasThread one_thread;
   for (Sequence& sequence : dataset.sequences) {
     for (CameraView& view : sequence.cameras) {
       view.solved.clear();

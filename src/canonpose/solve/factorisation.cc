@@ -67,6 +67,8 @@ class AffineSolver {
   [[nodiscard]] std::vector<std::size_t> ChooseViews() const;
   /// Size of a view's keypoints at common joints about their mean, which becomes the offset.
   double Centre(std::size_t i, std::size_t v, const std::vector<std::size_t>& joints);
+  /// Offsets of all frames and views, at what is seen.
+  void CentreAll();
 
   const CaptureObservations& capture_;
   std::vector<int> frames_;
@@ -152,6 +154,11 @@ bool AffineSolver::Start() {
   for (std::size_t k = 0; k < chosen.size(); ++k) {
     views_[chosen[k]] = eigen.eigenvectors().rightCols<3>().middleRows<2>(static_cast<Eigen::Index>(2 * k));
   }
+  CentreAll();
+  return true;
+}
+
+void AffineSolver::CentreAll() {
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     for (std::size_t v = 0; v < views_.size(); ++v) {
       std::vector<std::size_t> seen;
@@ -161,12 +168,11 @@ bool AffineSolver::Start() {
       if (!seen.empty()) Centre(i, v, seen);
     }
   }
-  return true;
 }
 
 void AffineSolver::StartFrom(const std::vector<AffineView>& views) {
-  Start();
   views_ = views;
+  CentreAll();
 }
 
 /// Joints from the views that see them. Their sizes differ from frame to frame: the scales take that up.

@@ -42,7 +42,7 @@ void AdjustTwice(const CaptureObservations& capture, std::span<const int> frames
   Adjust(capture, frames, options, solution.estimate);
   options.scales.observation = MeasureNoise(capture, frames, solution.estimate);
   options.loss_scale = kLossScale;
-  options.iterations = capture.static_cameras ? 30 : 15;
+  options.iterations = capture.static_cameras ? 100 : 15;
   Adjust(capture, frames, options, solution.estimate);
   solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
 }

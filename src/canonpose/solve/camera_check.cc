@@ -23,21 +23,6 @@ constexpr double kSuspectDisagreement = 0.04;
 constexpr double kAgreement = 0.015;
 constexpr double kAgreementGain = 0.8;
 
-int UsedViews(const CaptureObservations& capture, const Solution& solution, int frame) {
-  int used = 0;
-  for (int v = 0; v < capture.view_count(); ++v) used += solution.estimate.CameraAt(frame, v).valid ? 1 : 0;
-  return used;
-}
-
-/// The distance of a keypoint from a joint's projection, in body units; NaN where it is behind the camera.
-double DistanceOf(const CaptureObservations& capture, const Solution& solution, int frame, int view, int joint,
-                  const Eigen::Vector3d& point) {
-  const CameraEstimate& camera = solution.estimate.CameraAt(frame, view);
-  const Eigen::Vector3d p = camera.Rotation() * point + solution.estimate.Translation(frame, view);
-  if (!(p.z() > 0.0)) return std::nan("");
-  return (p.head<2>() - capture.At(frame, view, joint) * p.z() / camera.Focal()).norm();
-}
-
 }  // namespace
 
 void ShiftView(CaptureObservations& capture, int clip, int view, int frames) {
@@ -75,13 +60,15 @@ double DisagreementOf(const CaptureObservations& capture, const Solution& soluti
   std::vector<double> errors;
   const int step = std::max(1, capture.frame_count / kDisagreementFrames);
   for (int n = 0; n < capture.frame_count; n += step) {
-    if (!solution.estimate.CameraAt(n, view).valid) continue;
-    const int left_out = UsedViews(capture, solution, n) > 2 ? view : -1;
+    const CameraEstimate& camera = solution.estimate.CameraAt(n, view);
+    if (!camera.valid) continue;
+    const int left_out = solution.estimate.ValidViews(n).size() > 2 ? view : -1;
     for (int j = 0; j < capture.joint_count(); ++j) {
       if (!capture.Sees(n, view, j)) continue;
       const Triangulation others = TriangulateJoint(capture, n, j, solution.scales, solution.estimate, left_out);
       if (!others.point.allFinite()) continue;
-      const double error = DistanceOf(capture, solution, n, view, j, others.point);
+      const double error =
+          DistanceInFront(solution.estimate.InCamera(n, view, others.point), camera.Focal(), capture.At(n, view, j));
       if (std::isfinite(error)) errors.push_back(error);
     }
   }
@@ -90,24 +77,16 @@ double DisagreementOf(const CaptureObservations& capture, const Solution& soluti
 
 namespace {
 
-int LastUsedView(const CaptureObservations& capture, const Solution& solution) {
-  int last = -1;
-  for (int v = 0; v < capture.view_count(); ++v) {
-    if (solution.estimate.CameraAt(0, v).valid) last = v;
-  }
-  return last;
-}
-
 /// Moves views of a clip in time, that with most to gain first, until they all fit. Adds to `offsets` (clips, V).
 bool AlignClip(CaptureObservations& capture, const Solution& solution, int clip, std::vector<int>& offsets) {
-  const bool is_pair = UsedViews(capture, solution, 0) == 2;
+  // Of two views either may be moved: the last.
+  std::vector<int> views = solution.estimate.ValidViews(0);
+  if (views.size() == 2) views.erase(views.begin());
   bool moved = false;
   for (int round = 0; round < 2 * capture.view_count(); ++round) {
     OffsetEstimate best;
     int best_view = -1;
-    for (int v = 0; v < capture.view_count(); ++v) {
-      if (!solution.estimate.CameraAt(0, v).valid) continue;
-      if (is_pair && v != LastUsedView(capture, solution)) continue;
+    for (const int v : views) {
       const bool was_moved = offsets[static_cast<std::size_t>(v)] != 0;
       const OffsetEstimate found = EstimateOffset(capture, solution, clip, v, was_moved);
       if (found.gain <= best.gain) continue;

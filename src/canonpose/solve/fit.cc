@@ -23,7 +23,7 @@ std::vector<double> FrameCosts(const CaptureObservations& capture, std::span<con
     int count = 0;
     VisitErrors(capture, std::span(&frame, 1), estimate, [&](int n, int v, int j, double error) {
       const double scatter = noise.Scatter(j, capture.confidence[capture.Index(n, v, j)]);
-      sum += std::log1p(std::pow(error / scatter, 2) / (kLossScale * kLossScale));
+      sum += CauchyLoss(error / scatter);
       ++count;
     });
     costs.push_back(sum / count);

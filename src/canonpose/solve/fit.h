@@ -1,8 +1,11 @@
 // How well an estimate explains what the cameras saw.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "canonpose/solve/adjustment.h"
 #include "canonpose/solve/noise_model.h"
@@ -18,6 +21,20 @@ struct Solution {
   bool mirrored = false;      ///< found from the depth mirror of the lifter's poses
   double mirror_sigma = 0.0;  ///< Preference() over the mirrored solution
 };
+
+/// Cauchy's loss of an error that is given in units of its scatter.
+inline double CauchyLoss(double error) { return std::log1p(error * error / (kLossScale * kLossScale)); }
+
+/// How far a point in a camera's frame is from the ray of a keypoint, at the point's depth: in body units, as far as a
+/// projection is off. Behind the camera it means nothing; see DistanceInFront().
+inline double DistanceAtDepth(const Eigen::Vector3d& in_camera, double focal, const Eigen::Vector2d& keypoint) {
+  return (in_camera.head<2>() - keypoint * in_camera.z() / focal).norm();
+}
+
+/// The same; NaN behind the camera.
+inline double DistanceInFront(const Eigen::Vector3d& in_camera, double focal, const Eigen::Vector2d& keypoint) {
+  return in_camera.z() > 0.0 ? DistanceAtDepth(in_camera, focal, keypoint) : std::nan("");
+}
 
 /// Calls visit(frame, view, joint, error) for every keypoint that the estimate explains; the error is the distance in
 /// body units.

@@ -31,6 +31,14 @@ double RigEstimate::ImageScale(int frame, int view, int root) const {
   return camera.Focal() * count / depth;
 }
 
+std::vector<int> RigEstimate::ValidViews(int frame) const {
+  std::vector<int> valid;
+  for (int v = 0; v < view_count; ++v) {
+    if (CameraAt(frame, v).valid) valid.push_back(v);
+  }
+  return valid;
+}
+
 RigEstimate RigEstimate::Slice(int first, int count) const {
   RigEstimate slice = Unknown(static_cameras, count, view_count, joint_count, 0);
   slice.first_frame = first;

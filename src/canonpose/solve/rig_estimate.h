@@ -69,9 +69,15 @@ struct RigEstimate {
     if (static_cameras) return Eigen::Vector3d::Map(camera.placement.data());
     return Eigen::Vector3d(camera.placement[0], camera.placement[1], camera.Focal()) / std::exp(camera.placement[2]);
   }
+  /// The views whose cameras are known in a frame, ascending.
+  [[nodiscard]] std::vector<int> ValidViews(int frame) const;
+  /// A point of the world in a camera's frame.
+  [[nodiscard]] Eigen::Vector3d InCamera(int frame, int view, const Eigen::Vector3d& point) const {
+    return CameraAt(frame, view).Rotation() * point + Translation(frame, view);
+  }
   /// A joint in a camera's frame.
   [[nodiscard]] Eigen::Vector3d InCamera(int frame, int view, int joint) const {
-    return CameraAt(frame, view).Rotation() * Joint(frame, joint) + Translation(frame, view);
+    return InCamera(frame, view, Joint(frame, joint));
   }
   /// Normalised image coordinates of a joint; NaN behind the camera.
   [[nodiscard]] Eigen::Vector2d Project(int frame, int view, int joint) const {

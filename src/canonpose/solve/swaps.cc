@@ -31,8 +31,6 @@ constexpr double kBoneScatter = 0.1;
 constexpr int kMostViewsForPairs = 6;
 constexpr int kFramesAtATime = 64;
 
-double Cauchy(double error, double scatter) { return std::log1p(std::pow(error / (kLossScale * scatter), 2)); }
-
 bool Contains(const std::string& name, std::string_view part) {
   return std::search(name.begin(), name.end(), part.begin(), part.end(),
                      [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; }) != name.end();
@@ -117,10 +115,10 @@ double PartSearch::ViewCost(const OneFrame& frame, int joint, const Eigen::Vecto
   for (int v = 0; v < capture_.view_count(); ++v) {
     const CameraEstimate& camera = frame.estimate.CameraAt(0, v);
     if (!camera.valid || !frame.capture.Sees(0, v, joint)) continue;
-    const Eigen::Vector3d p = camera.Rotation() * point + frame.estimate.Translation(0, v);
-    const double error = (p.head<2>() - frame.capture.At(0, v, joint) * p.z() / camera.Focal()).norm();
-    cost += Cauchy(
-        error, solution_.scales.observation.Scatter(joint, frame.capture.confidence[frame.capture.Index(0, v, joint)]));
+    const double error =
+        DistanceAtDepth(frame.estimate.InCamera(0, v, point), camera.Focal(), frame.capture.At(0, v, joint));
+    const float confidence = frame.capture.confidence[frame.capture.Index(0, v, joint)];
+    cost += CauchyLoss(error / solution_.scales.observation.Scatter(joint, confidence));
   }
   return cost;
 }
@@ -136,7 +134,7 @@ double PartSearch::BoneCost(int frame, const std::vector<Eigen::Vector3d>& all_j
       if (parent < 0) continue;
       const Eigen::Vector3d bone = all_joints[j] - all_joints[static_cast<std::size_t>(parent)];
       const double error = std::log(bone.norm()) - lengths[j];
-      if (std::isfinite(error)) cost += Cauchy(error, kBoneScatter);
+      if (std::isfinite(error)) cost += CauchyLoss(error / kBoneScatter);
     }
   }
   return cost;
@@ -203,7 +201,7 @@ std::vector<ViewMask> PartSearch::Find(const ClipRange& clip, int threads) const
     double cost = costs_.change * std::popcount(changed);
     for (std::size_t j = 0; j < steps.size(); ++j) {
       const double step = (to[j] - from[j]).norm();
-      if (std::isfinite(step / steps[j])) cost += Cauchy(step, steps[j]);
+      if (std::isfinite(step / steps[j])) cost += CauchyLoss(step / steps[j]);
     }
     return cost;
   };

@@ -30,19 +30,9 @@ constexpr int kRefitStep = 3;
 constexpr double kBoneScatter = 0.1;
 constexpr double kBlockSeconds = 0.5;
 
-double Cauchy(double error) { return std::log1p(error * error / (kLossScale * kLossScale)); }
-
-int UsedViews(const CaptureObservations& capture, const Solution& solution, int frame) {
-  int used = 0;
-  for (int v = 0; v < capture.view_count(); ++v) used += solution.estimate.CameraAt(frame, v).valid ? 1 : 0;
-  return used;
-}
-
-/// The distance of a keypoint from a joint's projection into a static camera, in body units; NaN where it is behind it.
-double DistanceOf(const CameraEstimate& camera, const Eigen::Vector2d& keypoint, const Eigen::Vector3d& joint) {
-  const Eigen::Vector3d p = camera.Rotation() * joint + Eigen::Vector3d::Map(camera.placement.data());
-  if (!(p.z() > 0.0)) return std::nan("");
-  return (p.head<2>() - keypoint * p.z() / camera.Focal()).norm();
+/// A joint in the frame of a camera that stands still.
+Eigen::Vector3d InStaticCamera(const CameraEstimate& camera, const Eigen::Vector3d& joint) {
+  return camera.Rotation() * joint + Eigen::Vector3d::Map(camera.placement.data());
 }
 
 double Scatter(const CaptureObservations& capture, const Solution& solution, int frame, int view, int joint) {
@@ -84,11 +74,8 @@ OffsetSearch::OffsetSearch(const CaptureObservations& capture, const Solution& s
       view_(view),
       others_(static_cast<std::size_t>(clip_.count)) {
   if (!solution.estimate.CameraAt(clip_.first, view).valid) return;
-  if (UsedViews(capture, solution, clip_.first) == 2) {
-    for (int v = 0; v < capture.view_count(); ++v) {
-      if (v != view && solution.estimate.CameraAt(clip_.first, v).valid) other_view_ = v;
-    }
-  }
+  const std::vector<int> views = solution.estimate.ValidViews(clip_.first);
+  if (views.size() == 2) other_view_ = views[0] == view ? views[1] : views[0];
   most_ = std::min(kMostOffset, (clip_.count - kLeastOffsetFrames) / 2);
   if (most_ < 1) return;
   costs_.resize(static_cast<std::size_t>(2 * most_ + 1));
@@ -132,7 +119,7 @@ CameraEstimate OffsetSearch::Refit(int offset) {
     for (int j = 0; j < capture_.joint_count(); ++j) {
       Eigen::Vector3d& joint = joints[static_cast<std::size_t>(j)];
       if (!capture_.Sees(frame, view_, j) || !joint.allFinite()) continue;
-      const double depth = (camera.Rotation() * joint + Eigen::Vector3d::Map(camera.placement.data())).z();
+      const double depth = InStaticCamera(camera, joint).z();
       if (!(depth > 0.0)) continue;
       const double weight = depth / camera.Focal() / Scatter(capture_, solution_, frame, view_, j);
       problem.AddResidualBlock(ReprojectionTerm<false>::Create(capture_.At(frame, view_, j), weight), &loss,
@@ -159,9 +146,10 @@ double OffsetSearch::CostAgainstOthers(int frame, int offset, const CameraEstima
   int count = 0;
   for (int j = 0; j < capture_.joint_count(); ++j) {
     if (!capture_.Sees(frame, view_, j)) continue;
-    const double error = DistanceOf(camera, capture_.At(frame, view_, j), joints[static_cast<std::size_t>(j)]);
+    const double error = DistanceInFront(InStaticCamera(camera, joints[static_cast<std::size_t>(j)]), camera.Focal(),
+                                         capture_.At(frame, view_, j));
     if (!std::isfinite(error)) continue;
-    sum += Cauchy(error / Scatter(capture_, solution_, frame, view_, j));
+    sum += CauchyLoss(error / Scatter(capture_, solution_, frame, view_, j));
     ++count;
   }
   return sum / count;
@@ -192,9 +180,10 @@ double OffsetSearch::CostOfPair(int frame, int offset) const {
     joints.push_back(TriangulateJoint(pair, 0, j, solution_.scales, solution_.estimate).point);
     if (!joints.back().allFinite()) continue;
     for (const int v : {view_, other_view_}) {
-      const double error = DistanceOf(solution_.estimate.CameraAt(0, v), pair.At(0, v, j), joints.back());
+      const CameraEstimate& camera = solution_.estimate.CameraAt(0, v);
+      const double error = DistanceInFront(InStaticCamera(camera, joints.back()), camera.Focal(), pair.At(0, v, j));
       if (!std::isfinite(error)) continue;
-      sum += Cauchy(error / Scatter(pair, solution_, 0, v, j));
+      sum += CauchyLoss(error / Scatter(pair, solution_, 0, v, j));
       ++count;
     }
   }
@@ -204,7 +193,7 @@ double OffsetSearch::CostOfPair(int frame, int offset) const {
     if (parent < 0) continue;
     const Eigen::Vector3d bone = joints[static_cast<std::size_t>(j)] - joints[static_cast<std::size_t>(parent)];
     const double error = std::log(bone.norm()) - lengths[static_cast<std::size_t>(j)];
-    if (std::isfinite(error)) sum += Cauchy(error / kBoneScatter);
+    if (std::isfinite(error)) sum += CauchyLoss(error / kBoneScatter);
   }
   return sum / count;
 }

@@ -7,6 +7,7 @@
 
 #include "canonpose/base/median.h"
 #include "canonpose/base/parallel.h"
+#include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/rotation_averaging.h"
 
@@ -20,16 +21,6 @@ constexpr double kRotationSeconds = 0.5;
 /// Runs of consecutive frames that moving cameras are calibrated from.
 constexpr int kRuns = 6;
 constexpr int kRunFrames = 50;
-
-/// `count` of `frames`, evenly spread.
-std::vector<int> Spread(const std::vector<int>& frames, int count) {
-  if (static_cast<int>(frames.size()) <= count) return frames;
-  std::vector<int> chosen;
-  for (int i = 0; i < count; ++i) {
-    chosen.push_back(frames[static_cast<std::size_t>(i) * frames.size() / static_cast<std::size_t>(count)]);
-  }
-  return chosen;
-}
 
 /// From far off with a wide loss to the scatter that there is.
 void AdjustTwice(const CaptureObservations& capture, std::span<const int> frames, int fixed_view, Solution& solution) {
@@ -68,19 +59,6 @@ int ReferenceView(std::span<const Eigen::Matrix3d> camera_from_world) {
   return -1;
 }
 
-/// Frames of the runs, ascending.
-std::vector<int> RunsOfFrames(int frame_count) {
-  const int runs = std::clamp(frame_count / kRunFrames, 1, kRuns);
-  std::vector<int> frames;
-  for (int r = 0; r < runs; ++r) {
-    const int first = runs == 1 ? 0 : r * (frame_count - kRunFrames) / (runs - 1);
-    for (int n = first; n < std::min(frame_count, first + kRunFrames); ++n) {
-      if (frames.empty() || n > frames.back()) frames.push_back(n);
-    }
-  }
-  return frames;
-}
-
 /// Gives every frame the median focal length that its camera has in `frames`.
 void SpreadFocalLengths(const CaptureObservations& capture, std::span<const int> frames, Solution& solution) {
   std::vector<double>& expected = solution.scales.expected_log_focal;
@@ -114,8 +92,8 @@ std::vector<int> FramesWithStart(const CaptureObservations& capture) {
 
 Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOptions& options) {
   const std::vector<int> usable = FramesWithStart(capture);
-  const std::vector<int> frames = Spread(usable, options.frames);
-  const StaticRotations rotations = AverageStaticRotations(capture, Spread(usable, kRotationFrames));
+  const std::vector<int> frames = EvenlySpread(usable, options.frames);
+  const StaticRotations rotations = AverageStaticRotations(capture, EvenlySpread(usable, kRotationFrames));
   return DecideMirror(capture, frames, options, [&](bool mirrored) {
     std::vector<Eigen::Matrix3d> camera_from_world = rotations.camera_from_world;
     if (mirrored) std::ranges::transform(camera_from_world, camera_from_world.begin(), MirrorRotation);
@@ -129,7 +107,7 @@ Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOp
 
 Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOptions& options) {
   const std::vector<int> usable = FramesWithStart(capture);
-  const std::vector<int> frames = RunsOfFrames(capture.frame_count);
+  const std::vector<int> frames = EvenRuns(ConsecutiveFrames(0, capture.frame_count), kRuns, kRunFrames);
   const auto rotations = SmoothedRotations(capture, kRotationSeconds);
   return DecideMirror(capture, frames, options, [&](bool mirrored) {
     auto camera_from_world = rotations;

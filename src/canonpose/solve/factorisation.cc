@@ -9,6 +9,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/median.h"
 #include "canonpose/geometry/alignment.h"
+#include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/metric_upgrade.h"
 
 namespace canonpose {
@@ -255,14 +256,6 @@ void AffineSolver::FindViews() {
   }
 }
 
-std::vector<int> SpreadFrames(int frame_count) {
-  std::vector<int> frames;
-  const int count = std::min(frame_count, kFactorisedFrames);
-  for (int i = 0; i < count; ++i)
-    frames.push_back(static_cast<int>(static_cast<std::int64_t>(i) * frame_count / count));
-  return frames;
-}
-
 /// The rotation whose first two rows are nearest to a multiple of a view's.
 Eigen::Matrix3d RotationOf(const AffineView& view) {
   Eigen::Matrix3d rows;
@@ -280,7 +273,8 @@ Factorisation Factorise(const CaptureObservations& capture) {
   Factorisation result;
   result.camera_from_world.assign(capture.cameras.size(), Eigen::Matrix3d::Constant(std::nan("")));
   result.joints.assign(static_cast<std::size_t>(capture.frame_count) * capture.skeleton.joints.size(), unknown);
-  AffineSolver some(capture, SpreadFrames(capture.frame_count));
+  const std::vector<int> frames = ConsecutiveFrames(0, capture.frame_count);
+  AffineSolver some(capture, EvenlySpread(frames, kFactorisedFrames));
   if (!some.Start()) return result;
   for (int round = 0; round < kRounds; ++round) {
     some.FindJoints();
@@ -290,9 +284,7 @@ Factorisation Factorise(const CaptureObservations& capture) {
   some.FindJoints();
   const std::optional<Eigen::Matrix3d> upgrade = MetricUpgrade(some.views(), some.joints(), capture.skeleton);
   if (!upgrade) return result;
-  std::vector<int> frames(static_cast<std::size_t>(capture.frame_count));
-  for (int n = 0; n < capture.frame_count; ++n) frames[static_cast<std::size_t>(n)] = n;
-  AffineSolver all(capture, std::move(frames));
+  AffineSolver all(capture, frames);
   all.StartFrom(some.views());
   constexpr int kFrameRounds = 5;
   for (int round = 0; round < kFrameRounds; ++round) {

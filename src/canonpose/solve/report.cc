@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "canonpose/base/median.h"
 #include "canonpose/solve/calibration.h"
+#include "canonpose/solve/frame_choice.h"
 
 namespace canonpose {
 namespace {
@@ -66,8 +66,7 @@ CaptureReport MakeReport(const CaptureObservations& capture, const Solution& sol
   report.name = capture.name;
   report.static_cameras = capture.static_cameras;
   report.frames = capture.frame_count;
-  std::vector<int> frames(static_cast<std::size_t>(capture.frame_count));
-  std::iota(frames.begin(), frames.end(), 0);
+  const std::vector<int> frames = ConsecutiveFrames(0, capture.frame_count);
   std::vector<std::vector<double>> errors(capture.cameras.size());
   std::vector<std::int64_t> outliers(capture.cameras.size(), 0);
   VisitErrors(capture, frames, solution.estimate, [&](int n, int v, int j, double error) {

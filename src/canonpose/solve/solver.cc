@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include <fmt/format.h>
 
@@ -14,6 +13,7 @@
 #include "canonpose/solve/calibration.h"
 #include "canonpose/solve/camera_check.h"
 #include "canonpose/solve/diagnosis.h"
+#include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/serial_linear_algebra.h"
 #include "canonpose/solve/swaps.h"
@@ -94,8 +94,7 @@ void FinishReport(const CaptureObservations& capture, const SolveOptions& option
 void SolveAllFrames(CaptureObservations& capture, const SolveOptions& options, CaptureWork& work) {
   const int threads = ThreadsToUse(options.threads);
   Solution& solution = work.solution;
-  std::vector<int> frames(static_cast<std::size_t>(capture.frame_count));
-  std::iota(frames.begin(), frames.end(), 0);
+  const std::vector<int> frames = ConsecutiveFrames(0, capture.frame_count);
   const auto solve_frames = [&] {
     if (!capture.static_cameras) return SolveWindows(capture, options.window_frames, threads, solution);
     for (const int frame : frames) {

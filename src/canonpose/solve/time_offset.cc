@@ -9,6 +9,7 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
+#include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/residuals.h"
 
@@ -79,18 +80,11 @@ OffsetSearch::OffsetSearch(const CaptureObservations& capture, const Solution& s
   most_ = std::min(kMostOffset, (clip_.count - kLeastOffsetFrames) / 2);
   if (most_ < 1) return;
   costs_.resize(static_cast<std::size_t>(2 * most_ + 1));
-  const int count = clip_.count - 2 * most_;  // frames that have all their neighbours
-  const int runs = std::clamp(count / kOffsetRunFrames, 1, kOffsetRuns);
-  std::vector<int> frames;
-  for (int r = 0; r < runs; ++r) {
-    const int first = runs == 1 ? 0 : r * (count - kOffsetRunFrames) / (runs - 1);
-    const int end = std::min(count, runs == 1 ? kOffsetRuns * kOffsetRunFrames : first + kOffsetRunFrames);
-    for (int t = first; t < end; ++t) {
-      const int frame = clip_.first + most_ + t;
-      if (frames.empty() || frame > frames.back()) frames.push_back(frame);
-    }
-  }
-  LookAt(frames);
+  // Frames that have all their neighbours.
+  const std::vector<int> frames = ConsecutiveFrames(clip_.first + most_, clip_.count - 2 * most_);
+  // Where there is room for one run alone, what is left beside it is looked at, too.
+  const bool has_runs = frames.size() >= 2 * static_cast<std::size_t>(kOffsetRunFrames);
+  LookAt(has_runs ? EvenRuns(frames, kOffsetRuns, kOffsetRunFrames) : frames);
 }
 
 const std::vector<Eigen::Vector3d>& OffsetSearch::OthersAt(int frame) {

@@ -1,10 +1,10 @@
 #include "canonpose/solve/windows.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "canonpose/base/parallel.h"
 #include "canonpose/geometry/alignment.h"
+#include "canonpose/solve/frame_choice.h"
 
 namespace canonpose {
 namespace {
@@ -63,9 +63,7 @@ void SolveWindows(const CaptureObservations& capture, int window_frames, int thr
     const Window& window = windows[static_cast<std::size_t>(w)];
     const RigEstimate before = solution.estimate.Slice(window.from, window.to - window.from);
     RigEstimate slice = before;
-    std::vector<int> frames(static_cast<std::size_t>(window.to - window.from));
-    std::iota(frames.begin(), frames.end(), window.from);
-    Adjust(capture, frames, options, slice);
+    Adjust(capture, ConsecutiveFrames(window.from, window.to - window.from), options, slice);
     if (!capture.static_cameras) KeepWorld(before, slice);
     results[static_cast<std::size_t>(w)] = slice.Slice(window.first, window.last - window.first);
   });

@@ -86,19 +86,14 @@ double MeasureTurning(const CaptureObservations& capture, std::span<const int> f
   return std::clamp(kSpurts * Median(std::move(speeds)) / kMedianLength, kLeast, kMost);
 }
 
-double Preference(const CaptureObservations& capture, std::span<const int> frames, const Solution& a,
-                  const Solution& b) {
-  const NoiseModel& noise =
-      a.scales.observation.Typical() < b.scales.observation.Typical() ? a.scales.observation : b.scales.observation;
-  const std::vector<double> of_a = FrameCosts(capture, frames, a.estimate, noise);
-  const std::vector<double> of_b = FrameCosts(capture, frames, b.estimate, noise);
+BlockMean MeanOverBlocks(const CaptureObservations& capture, std::span<const int> frames,
+                         std::span<const double> values) {
   constexpr double kBlockSeconds = 0.5;
   std::vector<double> blocks;
   int block_begin = -1;
   double sum = 0.0;
   int count = 0;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const double difference = of_b[i] - of_a[i];
     const ClipRange& clip = capture.ClipOf(frames[i]);
     if (block_begin < 0 || frames[i] - block_begin > kBlockSeconds * clip.fps || clip.first > block_begin) {
       if (count > 0) blocks.push_back(sum / count);
@@ -106,17 +101,31 @@ double Preference(const CaptureObservations& capture, std::span<const int> frame
       sum = 0.0;
       count = 0;
     }
-    if (!std::isfinite(difference)) continue;
-    sum += difference;
+    if (!std::isfinite(values[i])) continue;
+    sum += values[i];
     ++count;
   }
   if (count > 0) blocks.push_back(sum / count);
-  if (blocks.size() < 2) return 0.0;
-  double mean = 0.0;
-  for (const double block : blocks) mean += block / static_cast<double>(blocks.size());
+  BlockMean result{static_cast<int>(blocks.size())};
+  const auto block_count = static_cast<double>(blocks.size());
+  for (const double block : blocks) result.mean += block / block_count;
+  if (blocks.size() < 2) return result;
   double variance = 0.0;
-  for (const double block : blocks) variance += std::pow(block - mean, 2) / static_cast<double>(blocks.size() - 1);
-  return mean / std::sqrt(variance / static_cast<double>(blocks.size()) + 1e-12);
+  for (const double block : blocks) variance += std::pow(block - result.mean, 2) / (block_count - 1.0);
+  result.variance = variance / block_count;
+  return result;
+}
+
+double Preference(const CaptureObservations& capture, std::span<const int> frames, const Solution& a,
+                  const Solution& b) {
+  const NoiseModel& noise =
+      a.scales.observation.Typical() < b.scales.observation.Typical() ? a.scales.observation : b.scales.observation;
+  const std::vector<double> of_a = FrameCosts(capture, frames, a.estimate, noise);
+  const std::vector<double> of_b = FrameCosts(capture, frames, b.estimate, noise);
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < frames.size(); ++i) differences.push_back(of_b[i] - of_a[i]);
+  const BlockMean difference = MeanOverBlocks(capture, frames, differences);
+  return difference.blocks < 2 ? 0.0 : difference.mean / std::sqrt(difference.variance + 1e-12);
 }
 
 double JointUncertainty(const CaptureObservations& capture, int frame, int joint, const Solution& solution) {

@@ -67,8 +67,20 @@ std::vector<double> MeasureAccelerations(const CaptureObservations& capture, con
 /// come in spurts.
 double MeasureTurning(const CaptureObservations& capture, std::span<const int> frames, const RigEstimate& estimate);
 
+/// Of values of frames: the means of blocks of half a second, since frames near in time are much alike, and the mean of
+/// these with its variance.
+struct BlockMean {
+  int blocks = 0;
+  double mean = 0.0;      ///< 0 without blocks
+  double variance = 0.0;  ///< of the mean; 0 with fewer than two blocks
+};
+
+/// Over the values (one for each of `frames`, ascending) that are finite; no block spans two clips.
+BlockMean MeanOverBlocks(const CaptureObservations& capture, std::span<const int> frames,
+                         std::span<const double> values);
+
 /// How many standard errors `a` explains the frames better than `b`: of the mean difference of robust errors over
-/// blocks of half a second, since frames near in time err alike. 0 where there are too few to tell.
+/// blocks of half a second. 0 where there are too few to tell.
 double Preference(const CaptureObservations& capture, std::span<const int> frames, const Solution& a,
                   const Solution& b);
 

@@ -29,7 +29,6 @@ constexpr int kRefitFrames = 40;
 /// At every third offset; at those between, as at the nearest.
 constexpr int kRefitStep = 3;
 constexpr double kBoneScatter = 0.1;
-constexpr double kBlockSeconds = 0.5;
 
 /// A joint in the frame of a camera that stands still.
 Eigen::Vector3d InStaticCamera(const CameraEstimate& camera, const Eigen::Vector3d& joint) {
@@ -55,7 +54,6 @@ class OffsetSearch {
   [[nodiscard]] CameraEstimate Refit(int offset);
   [[nodiscard]] double CostOfPair(int frame, int offset) const;
   const std::vector<Eigen::Vector3d>& OthersAt(int frame);
-  [[nodiscard]] std::vector<double> BlockMeans(int offset_index) const;
 
   const CaptureObservations& capture_;
   const Solution& solution_;
@@ -218,27 +216,6 @@ void OffsetSearch::LookAt(const std::vector<int>& frames) {
   }
 }
 
-std::vector<double> OffsetSearch::BlockMeans(int offset_index) const {
-  const std::vector<double>& costs = costs_[static_cast<std::size_t>(offset_index)];
-  const std::vector<double>& now = costs_[static_cast<std::size_t>(most_)];
-  std::vector<double> blocks;
-  int begin = 0;
-  double sum = 0.0;
-  int count = 0;
-  for (std::size_t i = 0; i < frames_.size(); ++i) {
-    if (count > 0 && frames_[i] - begin > kBlockSeconds * clip_.fps) {
-      blocks.push_back(sum / count);
-      sum = 0.0;
-      count = 0;
-    }
-    if (count == 0) begin = frames_[i];
-    sum += now[i] - costs[i];
-    ++count;
-  }
-  if (count > 0) blocks.push_back(sum / count);
-  return blocks;
-}
-
 double Mean(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double value : values) sum += value;
@@ -247,23 +224,22 @@ double Mean(const std::vector<double>& values) {
 
 OffsetEstimate OffsetSearch::Best(bool refine) const {
   if (static_cast<int>(frames_.size()) < kLeastOffsetFrames) return {};
-  int best = most_;
-  for (int i = 0; i < static_cast<int>(costs_.size()); ++i) {
-    if (Mean(costs_[static_cast<std::size_t>(i)]) < Mean(costs_[static_cast<std::size_t>(best)])) best = i;
+  const auto here = static_cast<std::size_t>(most_);
+  std::size_t best = here;
+  for (std::size_t i = 0; i < costs_.size(); ++i) {
+    if (Mean(costs_[i]) < Mean(costs_[best])) best = i;
   }
-  if (best == most_) return {};
-  const double now = Mean(costs_[static_cast<std::size_t>(most_)]);
-  const double gain = now - Mean(costs_[static_cast<std::size_t>(best)]);
-  if (refine) return {best - most_, gain};
+  if (best == here) return {};
+  const int offset = static_cast<int>(best) - most_;
+  const double now = Mean(costs_[here]);
+  const double gain = now - Mean(costs_[best]);
+  if (refine) return {offset, gain};
   if (gain < kOffsetShare * now) return {};
-  const std::vector<double> blocks = BlockMeans(best);
-  if (blocks.size() < 2) return {};
-  const double mean = Mean(blocks);
-  double squares = 0.0;
-  for (const double block : blocks) squares += (block - mean) * (block - mean);
-  const double error = std::sqrt(squares / static_cast<double>(blocks.size() * (blocks.size() - 1)));
-  if (mean < kOffsetSigma * error) return {};
-  return {best - most_, mean};
+  std::vector<double> gains;
+  for (std::size_t i = 0; i < frames_.size(); ++i) gains.push_back(costs_[here][i] - costs_[best][i]);
+  const BlockMean found = MeanOverBlocks(capture_, frames_, gains);
+  if (found.blocks < 2 || found.mean < kOffsetSigma * std::sqrt(found.variance)) return {};
+  return {offset, found.mean};
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/testing.h"
+#include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/rotation_averaging.h"
 #include "canonpose/solve/solve_testing.h"
 #include "canonpose/solve/solver.h"
@@ -34,7 +35,6 @@ Dataset Filmed(const std::string& rig, int cameras, const std::string& spread, d
 
 /// Largest error of a relative rotation, degrees, of the cameras or of their depth mirror, whichever is nearer.
 double RotationErrorDeg(const Dataset& dataset, const std::vector<Eigen::Matrix3d>& found) {
-  const Eigen::Vector3d flip(1.0, 1.0, -1.0);
   std::array<double, 2> largest = {0.0, 0.0};
   for (std::size_t a = 0; a < found.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) {
@@ -43,9 +43,8 @@ double RotationErrorDeg(const Dataset& dataset, const std::vector<Eigen::Matrix3
       };
       const Eigen::Matrix3d expected = truth(a) * truth(b).transpose();
       const Eigen::Matrix3d right = found[a] * found[b].transpose();
-      const Eigen::Matrix3d mirrored = flip.asDiagonal() * right * flip.asDiagonal();
       largest[0] = std::max(largest[0], RotationAngle(right, expected));
-      largest[1] = std::max(largest[1], RotationAngle(mirrored, expected));
+      largest[1] = std::max(largest[1], RotationAngle(MirrorRotation(right), expected));
     }
   }
   return std::min(largest[0], largest[1]) * 180.0 / M_PI;

@@ -9,13 +9,13 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/median.h"
 #include "canonpose/geometry/alignment.h"
+#include "canonpose/solve/diagnosis.h"
 #include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/metric_upgrade.h"
 
 namespace canonpose {
 namespace {
 
-constexpr int kLeastFrames = 10;
 constexpr int kLeastJoints = 6;
 /// Cameras are found from at most so many frames, evenly spread.
 constexpr int kFactorisedFrames = 600;

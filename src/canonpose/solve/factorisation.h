@@ -24,7 +24,8 @@ struct Factorisation {
                                         ///< own; NaN where fewer than two cameras see it
 };
 
-/// Needs ten frames of which at least two cameras show the same six joints; all NaN otherwise. Not for moving cameras.
+/// Needs kLeastFrames (diagnosis.h) of which at least two cameras show the same six joints; all NaN otherwise. Not for
+/// moving cameras.
 Factorisation Factorise(const CaptureObservations& capture);
 
 /// The poses of every view by factorisation, for any body. Throws Error(kBadInput) where cameras move; `file` is the

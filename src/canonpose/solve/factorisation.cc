@@ -313,9 +313,8 @@ StartPoses FactorisedStart(const Dataset& dataset, const std::string& file) {
     for (const ClipRange& clip : capture.clips) {
       const std::vector<CameraView>& views = dataset.sequences[clip.sequence].cameras;
       for (std::size_t c = 0; c < views.size(); ++c) {
-        const auto v =
-            std::ranges::find(capture.cameras, views[c].name, &ObservedCamera::name) - capture.cameras.begin();
-        const Eigen::Matrix3d& rotation = found.camera_from_world[static_cast<std::size_t>(v)];
+        const auto v = static_cast<std::size_t>(capture.ViewNamed(views[c].name));
+        const Eigen::Matrix3d& rotation = found.camera_from_world[v];
         std::vector<float>& poses = start.sequences[clip.sequence][c];
         poses.assign(3 * static_cast<std::size_t>(clip.count) * joints, std::nanf(""));
         for (std::size_t i = 0; i < static_cast<std::size_t>(clip.count) * joints; ++i) {

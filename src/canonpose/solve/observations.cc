@@ -14,20 +14,20 @@ namespace {
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr double kDefaultFps = 30.0;
 
-int CameraIndex(CaptureObservations& capture, const CameraView& view, const Sequence& sequence) {
-  for (std::size_t v = 0; v < capture.cameras.size(); ++v) {
-    if (capture.cameras[v].name != view.name) continue;
-    if (capture.cameras[v].image_size_px != view.image_size) {
-      ThrowBadInput({sequence.name, fmt::format("camera {}", view.name),
-                     fmt::format("images of {} x {} as in the capture's other sequences",
-                                 capture.cameras[v].image_size_px[0], capture.cameras[v].image_size_px[1]),
-                     fmt::format("{} x {}", view.image_size[0], view.image_size[1]),
-                     "give sequences with other cameras another `capture`"});
-    }
-    return static_cast<int>(v);
+/// Adds the camera of a view of a sequence, where the capture does not have it yet.
+void AddCamera(CaptureObservations& capture, const CameraView& view, const Sequence& sequence) {
+  const int known = capture.ViewNamed(view.name);
+  if (known < 0) {
+    capture.cameras.push_back({view.name, view.image_size, std::hypot(view.image_size[0], view.image_size[1])});
+    return;
   }
-  capture.cameras.push_back({view.name, view.image_size, std::hypot(view.image_size[0], view.image_size[1])});
-  return static_cast<int>(capture.cameras.size()) - 1;
+  const std::array<int, 2>& size_px = capture.cameras[static_cast<std::size_t>(known)].image_size_px;
+  if (size_px != view.image_size) {
+    ThrowBadInput({sequence.name, fmt::format("camera {}", view.name),
+                   fmt::format("images of {} x {} as in the capture's other sequences", size_px[0], size_px[1]),
+                   fmt::format("{} x {}", view.image_size[0], view.image_size[1]),
+                   "give sequences with other cameras another `capture`"});
+  }
 }
 
 void FillView(CaptureObservations& capture, const ClipRange& clip, int v, const CameraView& view,
@@ -69,6 +69,11 @@ int SubjectIndex(CaptureObservations& capture, const std::string& subject) {
 
 }  // namespace
 
+int CaptureObservations::ViewNamed(std::string_view camera) const {
+  const auto found = std::ranges::find(cameras, camera, &ObservedCamera::name);
+  return found == cameras.end() ? -1 : static_cast<int>(found - cameras.begin());
+}
+
 bool CaptureObservations::HasStart(int frame, int view) const {
   return Sees(frame, view, skeleton.root) && std::isfinite(start[3 * Index(frame, view, 0)]);
 }
@@ -101,7 +106,7 @@ std::vector<CaptureObservations> CollectCaptures(const Dataset& dataset, const S
     capture.clips.push_back({s, capture.frame_count, sequence.frame_count,
                              sequence.fps > 0.0 ? sequence.fps : kDefaultFps, SubjectIndex(capture, sequence.subject)});
     capture.frame_count += sequence.frame_count;
-    for (const CameraView& view : sequence.cameras) CameraIndex(capture, view, sequence);
+    for (const CameraView& view : sequence.cameras) AddCamera(capture, view, sequence);
   }
   for (CaptureObservations& capture : captures) {
     const std::size_t values = capture.Index(capture.frame_count, 0, 0);
@@ -111,7 +116,7 @@ std::vector<CaptureObservations> CollectCaptures(const Dataset& dataset, const S
     for (const ClipRange& clip : capture.clips) {
       const Sequence& sequence = dataset.sequences[clip.sequence];
       for (std::size_t c = 0; c < sequence.cameras.size(); ++c) {
-        FillView(capture, clip, CameraIndex(capture, sequence.cameras[c], sequence), sequence.cameras[c],
+        FillView(capture, clip, capture.ViewNamed(sequence.cameras[c].name), sequence.cameras[c],
                  start.sequences.at(clip.sequence).at(c));
       }
     }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -51,6 +52,8 @@ struct CaptureObservations {
       start;  ///< (F, V, J, 3) StartPoses of unit norm; NaN where not lifted, joints unknown to the lifter at the root
 
   [[nodiscard]] int view_count() const { return static_cast<int>(cameras.size()); }
+  /// The view of a camera; -1 where there is none of that name.
+  [[nodiscard]] int ViewNamed(std::string_view camera) const;
   [[nodiscard]] int joint_count() const { return skeleton.joint_count(); }
   [[nodiscard]] std::size_t Index(int frame, int view, int joint) const {
     return (static_cast<std::size_t>(frame) * cameras.size() + static_cast<std::size_t>(view)) *

@@ -181,9 +181,8 @@ void WriteSolution(const CaptureObservations& capture, const Solution& solution,
   for (std::size_t c = 0; c < capture.clips.size(); ++c) {
     const ClipRange& clip = capture.clips[c];
     for (CameraView& view : dataset.sequences[clip.sequence].cameras) {
-      const auto camera = std::ranges::find(capture.cameras, view.name, &ObservedCamera::name);
-      const auto v = static_cast<std::size_t>(camera - capture.cameras.begin());
-      WriteView(capture, solution, uncertainty, clip, static_cast<int>(v), check.offsets[c][v], view);
+      const int v = capture.ViewNamed(view.name);
+      WriteView(capture, solution, uncertainty, clip, v, check.offsets[c][static_cast<std::size_t>(v)], view);
     }
   }
 }

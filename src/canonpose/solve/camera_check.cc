@@ -6,6 +6,7 @@
 #include "canonpose/base/median.h"
 #include "canonpose/solve/calibration.h"
 #include "canonpose/solve/diagnosis.h"
+#include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/time_offset.h"
 
@@ -26,22 +27,23 @@ constexpr double kAgreementGain = 0.8;
 }  // namespace
 
 void ShiftView(CaptureObservations& capture, int clip, int view, int frames) {
+  if (frames == 0) return;
   const ClipRange& range = capture.clips[static_cast<std::size_t>(clip)];
-  const CaptureObservations before = capture;
-  const int joints = capture.joint_count();
-  for (int n = range.first; n < range.first + range.count; ++n) {
-    const int source = n - frames;
-    const bool is_there = source >= range.first && source < range.first + range.count;
-    const std::size_t to = capture.Index(n, view, 0);
-    const std::size_t from = is_there ? capture.Index(source, view, 0) : 0;
-    const auto move = [&](std::vector<float>& values, const std::vector<float>& old, std::size_t width, float none) {
-      const std::size_t count = width * static_cast<std::size_t>(joints);
-      if (is_there) std::copy_n(&old[width * from], count, &values[width * to]);
-      if (!is_there) std::fill_n(&values[width * to], count, none);
+  const auto joints = static_cast<std::size_t>(capture.joint_count());
+  for (int i = 0; i < range.count; ++i) {
+    // The last frame first where frames become later: none is overwritten before it has moved.
+    const int t = frames > 0 ? range.count - 1 - i : i;
+    const int source = t - frames;
+    const bool is_there = source >= 0 && source < range.count;
+    const std::size_t to = capture.Index(range.first + t, view, 0);
+    const std::size_t from = is_there ? capture.Index(range.first + source, view, 0) : 0;
+    const auto move = [&](std::vector<float>& values, std::size_t width, float none) {
+      if (is_there) std::copy_n(&values[width * from], width * joints, &values[width * to]);
+      if (!is_there) std::fill_n(&values[width * to], width * joints, none);
     };
-    move(capture.xy, before.xy, 2, std::nanf(""));
-    move(capture.confidence, before.confidence, 1, 0.0F);
-    move(capture.start, before.start, 3, std::nanf(""));
+    move(capture.xy, 2, std::nanf(""));
+    move(capture.confidence, 1, 0.0F);
+    move(capture.start, 3, std::nanf(""));
   }
 }
 
@@ -101,19 +103,16 @@ bool AlignClip(CaptureObservations& capture, const Solution& solution, int clip,
   return moved;
 }
 
-bool AlignCameras(CaptureObservations& capture, const Calibrate& calibrate, Solution& solution,
+void AlignCameras(CaptureObservations& capture, const Calibrate& calibrate, Solution& solution,
                   std::vector<std::vector<int>>& offsets) {
-  bool any = false;
   for (int round = 0; round < kOffsetRounds; ++round) {
     bool moved = false;
     for (std::size_t clip = 0; clip < capture.clips.size(); ++clip) {
       moved = AlignClip(capture, solution, static_cast<int>(clip), offsets[clip]) || moved;
     }
-    if (!moved) break;
-    any = true;
+    if (!moved) return;
     solution = calibrate(capture);
   }
-  return any;
 }
 
 /// The view without which the others agree, and then their solution; -1 where there is none.
@@ -168,10 +167,8 @@ void KeepMajority(CaptureObservations& capture, const std::vector<bool>& dropped
 
 double MedianError(const CaptureObservations& capture, const Solution& solution) {
   std::vector<double> errors;
-  for (int n = 0; n < capture.frame_count; ++n) {
-    VisitErrors(capture, std::span(&n, 1), solution.estimate,
-                [&](int, int, int, double error) { errors.push_back(error); });
-  }
+  VisitErrors(capture, ConsecutiveFrames(0, capture.frame_count), solution.estimate,
+              [&](int, int, int, double error) { errors.push_back(error); });
   return Median(std::move(errors));
 }
 

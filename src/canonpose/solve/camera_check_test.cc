@@ -25,29 +25,41 @@ Calibrate Quickly() {
   };
 }
 
-TEST(ShiftView, MovesOneViewOfOneClip) {
+/// Frames by which a view is shifted.
+class Shifts : public ::testing::TestWithParam<int> {};
+
+TEST_P(Shifts, MoveOneViewOfOneClip) {
   const CaptureObservations before = Observe(testing::Simulate(testing::SmallSimulation()).dataset);
   ASSERT_GE(before.clips.size(), 2U);
+  constexpr int kClip = 0;
+  constexpr int kView = 2;
   CaptureObservations after = before;
-  ShiftView(after, 1, 2, 5);
-  const ClipRange& clip = before.clips[1];
+  ShiftView(after, kClip, kView, GetParam());
+  const ClipRange& clip = before.clips[kClip];
+  const auto is_in_clip = [&](int n) { return n >= clip.first && n < clip.first + clip.count; };
   for (int n = 0; n < before.frame_count; ++n) {
     for (int v = 0; v < before.view_count(); ++v) {
+      const bool moves = is_in_clip(n) && v == kView;
+      const int source = moves ? n - GetParam() : n;
+      if (moves && !is_in_clip(source)) {
+        EXPECT_FALSE(after.HasStart(n, v));
+        for (int j = 0; j < before.joint_count(); ++j) ASSERT_FALSE(after.Sees(n, v, j)) << n;
+        continue;
+      }
+      ASSERT_EQ(after.HasStart(n, v), before.HasStart(source, v)) << n;
+      if (before.HasStart(source, v)) {
+        ASSERT_EQ(after.StartOf(n, v), before.StartOf(source, v)) << n;
+      }
       for (int j = 0; j < before.joint_count(); ++j) {
-        const bool moves = n >= clip.first && n < clip.first + clip.count && v == 2;
-        if (moves && n < clip.first + 5) {
-          EXPECT_FALSE(after.Sees(n, v, j));
-          EXPECT_FALSE(after.HasStart(n, v));
-          continue;
-        }
-        const int source = moves ? n - 5 : n;
-        ASSERT_EQ(after.confidence[after.Index(n, v, j)], before.confidence[before.Index(source, v, j)]);
+        ASSERT_EQ(after.confidence[after.Index(n, v, j)], before.confidence[before.Index(source, v, j)]) << n;
         if (!before.Sees(source, v, j)) continue;
-        ASSERT_EQ(after.At(n, v, j), before.At(source, v, j));
+        ASSERT_EQ(after.At(n, v, j), before.At(source, v, j)) << n;
       }
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(All, Shifts, ::testing::Values(5, -5, 0, 149, 1000, -1000));
 
 TEST(CheckCameras, LeavesGoodCamerasAlone) {
   CaptureObservations capture = Observe(testing::Simulate(testing::SmallSimulation()).dataset);

@@ -124,4 +124,26 @@ std::vector<CaptureObservations> CollectCaptures(const Dataset& dataset, const S
   return captures;
 }
 
+CaptureObservations SingleFrame(const CaptureObservations& capture, std::span<const int> frame_of_view) {
+  CaptureObservations single;
+  single.name = capture.name;
+  single.skeleton = capture.skeleton;
+  single.static_cameras = capture.static_cameras;
+  single.cameras = capture.cameras;
+  single.frame_count = 1;
+  const auto joints = static_cast<std::size_t>(capture.joint_count());
+  const std::size_t values = capture.Index(1, 0, 0);
+  single.xy.assign(2 * values, kNaN);
+  single.confidence.assign(values, 0.0F);
+  for (int v = 0; v < capture.view_count(); ++v) {
+    const int frame = frame_of_view[static_cast<std::size_t>(v)];
+    if (frame < 0) continue;
+    const std::size_t from = capture.Index(frame, v, 0);
+    const std::size_t to = capture.Index(0, v, 0);
+    std::copy_n(&capture.xy[2 * from], 2 * joints, &single.xy[2 * to]);
+    std::copy_n(&capture.confidence[from], joints, &single.confidence[to]);
+  }
+  return single;
+}
+
 }  // namespace canonpose

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -75,5 +76,9 @@ struct CaptureObservations {
 /// The captures of a dataset. Cameras of a static capture are matched by name over its sequences. Throws
 /// Error(kBadInput) where a camera changes its image size within a capture.
 std::vector<CaptureObservations> CollectCaptures(const Dataset& dataset, const StartPoses& start);
+
+/// One moment by itself, as frame 0: the keypoints that view v has in `frame_of_view[v]` (V), none where that is
+/// negative. Without clips and start poses.
+CaptureObservations SingleFrame(const CaptureObservations& capture, std::span<const int> frame_of_view);
 
 }  // namespace canonpose

@@ -70,14 +70,9 @@ struct OneFrame {
   CaptureObservations capture;
   RigEstimate estimate;
 
-  OneFrame(const CaptureObservations& whole, const RigEstimate& known, int frame) : estimate(known.Slice(frame, 1)) {
+  OneFrame(const CaptureObservations& whole, const RigEstimate& known, int frame)
+      : capture(SingleFrame(whole, std::vector<int>(whole.cameras.size(), frame))), estimate(known.Slice(frame, 1)) {
     estimate.first_frame = 0;
-    capture.skeleton = whole.skeleton;
-    capture.cameras = whole.cameras;
-    const auto count = static_cast<std::ptrdiff_t>(whole.Index(1, 0, 0));
-    const auto first = static_cast<std::ptrdiff_t>(whole.Index(frame, 0, 0));
-    capture.xy.assign(whole.xy.begin() + 2 * first, whole.xy.begin() + 2 * (first + count));
-    capture.confidence.assign(whole.confidence.begin() + first, whole.confidence.begin() + first + count);
   }
 };
 

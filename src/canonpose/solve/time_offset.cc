@@ -53,7 +53,7 @@ class OffsetSearch {
   /// stands where that hurts least.
   [[nodiscard]] CameraEstimate Refit(int offset);
   [[nodiscard]] double CostOfPair(int frame, int offset) const;
-  const std::vector<Eigen::Vector3d>& OthersAt(int frame);
+  std::vector<Eigen::Vector3d>& OthersAt(int frame);
 
   const CaptureObservations& capture_;
   const Solution& solution_;
@@ -85,7 +85,7 @@ OffsetSearch::OffsetSearch(const CaptureObservations& capture, const Solution& s
   LookAt(has_runs ? EvenRuns(frames, kOffsetRuns, kOffsetRunFrames) : frames);
 }
 
-const std::vector<Eigen::Vector3d>& OffsetSearch::OthersAt(int frame) {
+std::vector<Eigen::Vector3d>& OffsetSearch::OthersAt(int frame) {
   std::vector<Eigen::Vector3d>& joints = others_[static_cast<std::size_t>(frame - clip_.first)];
   if (joints.empty()) {
     for (int j = 0; j < capture_.joint_count(); ++j) {
@@ -106,8 +106,7 @@ CameraEstimate OffsetSearch::Refit(int offset) {
   const int step = std::max(1, static_cast<int>(frames_.size()) / kRefitFrames);
   for (std::size_t i = 0; i < frames_.size(); i += static_cast<std::size_t>(step)) {
     const int frame = frames_[i];
-    OthersAt(frame + offset);
-    std::vector<Eigen::Vector3d>& joints = others_[static_cast<std::size_t>(frame + offset - clip_.first)];
+    std::vector<Eigen::Vector3d>& joints = OthersAt(frame + offset);
     for (int j = 0; j < capture_.joint_count(); ++j) {
       Eigen::Vector3d& joint = joints[static_cast<std::size_t>(j)];
       if (!capture_.Sees(frame, view_, j) || !joint.allFinite()) continue;
@@ -150,24 +149,13 @@ double OffsetSearch::CostAgainstOthers(int frame, int offset, const CameraEstima
 /// Two views: how well rays of the one in `frame` and of the other in `frame` + `offset` meet, and whether bones keep
 /// their lengths.
 double OffsetSearch::CostOfPair(int frame, int offset) const {
-  const int other_frame = frame + offset;
+  std::vector<int> frame_of_view(capture_.cameras.size(), -1);
+  frame_of_view[static_cast<std::size_t>(view_)] = frame;
+  frame_of_view[static_cast<std::size_t>(other_view_)] = frame + offset;
+  const CaptureObservations pair = SingleFrame(capture_, frame_of_view);
   double sum = 0.0;
   int count = 0;
   std::vector<Eigen::Vector3d> joints;
-  // Both views in one frame of a capture of its own.
-  CaptureObservations pair;
-  pair.skeleton = capture_.skeleton;
-  pair.cameras = capture_.cameras;
-  const auto joint_count = static_cast<std::ptrdiff_t>(capture_.joint_count());
-  pair.xy.assign(2 * capture_.cameras.size() * capture_.skeleton.joints.size(), std::nanf(""));
-  pair.confidence.assign(capture_.cameras.size() * capture_.skeleton.joints.size(), 0.0F);
-  const auto take = [&](int from_frame, int v) {
-    const auto from = static_cast<std::ptrdiff_t>(capture_.Index(from_frame, v, 0));
-    std::copy_n(capture_.xy.begin() + 2 * from, 2 * joint_count, &pair.xy[2 * pair.Index(0, v, 0)]);
-    std::copy_n(capture_.confidence.begin() + from, joint_count, &pair.confidence[pair.Index(0, v, 0)]);
-  };
-  take(frame, view_);
-  take(other_frame, other_view_);
   for (int j = 0; j < capture_.joint_count(); ++j) {
     joints.push_back(TriangulateJoint(pair, 0, j, solution_.scales, solution_.estimate).point);
     if (!joints.back().allFinite()) continue;

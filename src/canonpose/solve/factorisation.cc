@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Dense>
 
@@ -202,30 +203,29 @@ void AffineSolver::FindScales() {
     double log_scales = 0.0;
     int found = 0;
     for (std::size_t v = 0; v < views_.size(); ++v) {
-      Eigen::Vector2d mean_seen = Eigen::Vector2d::Zero();
-      Eigen::Vector2d mean_model = Eigen::Vector2d::Zero();
-      double count = 0.0;
+      std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> pairs;  // keypoint, projected joint
+      for (std::size_t j = 0; j < joint_count(); ++j) {
+        const Eigen::Vector3d& joint = joints_[i * joint_count() + j];
+        if (Sees(i, v, j) && joint.allFinite()) pairs.emplace_back(At(i, v, j), views_[v] * joint);
+      }
+      if (pairs.size() < 3) continue;
+      const auto count = static_cast<double>(pairs.size());
+      Eigen::Vector2d sum_seen = Eigen::Vector2d::Zero();
+      Eigen::Vector2d sum_model = Eigen::Vector2d::Zero();
+      for (const auto& [seen, model] : pairs) {
+        sum_seen += seen;
+        sum_model += model;
+      }
       double product = 0.0;
       double squares = 0.0;
-      for (const bool means_known : {false, true}) {
-        for (std::size_t j = 0; j < joint_count(); ++j) {
-          const Eigen::Vector3d& joint = joints_[i * joint_count() + j];
-          if (!Sees(i, v, j) || !joint.allFinite()) continue;
-          const Eigen::Vector2d model = views_[v] * joint;
-          if (!means_known) {
-            mean_seen += At(i, v, j);
-            mean_model += model;
-            count += 1.0;
-          } else {
-            product += (At(i, v, j) - mean_seen / count).dot(model - mean_model / count);
-            squares += (model - mean_model / count).squaredNorm();
-          }
-        }
+      for (const auto& [seen, model] : pairs) {
+        product += (seen - sum_seen / count).dot(model - sum_model / count);
+        squares += (model - sum_model / count).squaredNorm();
       }
-      if (count < 3.0 || !(product > 0.0) || !(squares > 0.0)) continue;
+      if (!(product > 0.0) || !(squares > 0.0)) continue;
       const double scale = product / squares;
       scales_[i * views_.size() + v] = scale;
-      offsets_[i * views_.size() + v] = (mean_seen - scale * mean_model) / count;
+      offsets_[i * views_.size() + v] = (sum_seen - scale * sum_model) / count;
       log_scales += std::log(scale);
       ++found;
     }

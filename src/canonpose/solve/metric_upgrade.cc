@@ -140,26 +140,29 @@ std::optional<Eigen::Matrix3d> MetricUpgrade(std::span<const AffineView> views, 
   }
   // Cameras from all sides see every direction alike: T^T (sum of M^T M) T = 1. Then one direction more or less than
   // that.
+  const std::array<Eigen::Vector3d, 7> stretches = {{{1.0, 1.0, 1.0},
+                                                     {2.0, 1.0, 1.0},
+                                                     {0.5, 1.0, 1.0},
+                                                     {1.0, 2.0, 1.0},
+                                                     {1.0, 0.5, 1.0},
+                                                     {1.0, 1.0, 2.0},
+                                                     {1.0, 1.0, 0.5}}};
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(rows);
   const std::vector<ProportionsTerm> bones = BonesOf(joints, skeleton);
   if (bones.empty()) return std::nullopt;
   double least = std::numeric_limits<double>::infinity();
   std::optional<Eigen::Matrix3d> best;
-  constexpr double kStretches[] = {1.0, 2.0, 0.5};
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const double stretch : kStretches) {
-      if (stretch == 1.0 && axis > 0) continue;
-      Eigen::Vector3d sizes = eigen.eigenvalues().cwiseMax(1e-9).cwiseSqrt().cwiseInverse();
-      sizes[axis] *= stretch;
-      const Eigen::Matrix3d start = eigen.eigenvectors() * sizes.asDiagonal();
-      // T matters up to a rotation on its right: the Cholesky factor of T T^T is as good.
-      const Eigen::Matrix3d lower = (start * start.transpose()).eval().llt().matrixL();
-      std::array<double, 6> upgrade = {lower(0, 0), lower(1, 0), lower(1, 1), lower(2, 0), lower(2, 1), lower(2, 2)};
-      const double cost = Refine(views, skeleton.joints.size(), bones, upgrade);
-      if (!(cost < least)) continue;
-      least = cost;
-      best = Upgrade(upgrade.data());
-    }
+  const Eigen::Vector3d alike = eigen.eigenvalues().cwiseMax(1e-9).cwiseSqrt().cwiseInverse();
+  for (const Eigen::Vector3d& stretch : stretches) {
+    const Eigen::Vector3d sizes = alike.cwiseProduct(stretch);
+    const Eigen::Matrix3d start = eigen.eigenvectors() * sizes.asDiagonal();
+    // T matters up to a rotation on its right: the Cholesky factor of T T^T is as good.
+    const Eigen::Matrix3d lower = (start * start.transpose()).eval().llt().matrixL();
+    std::array<double, 6> upgrade = {lower(0, 0), lower(1, 0), lower(1, 1), lower(2, 0), lower(2, 1), lower(2, 2)};
+    const double cost = Refine(views, skeleton.joints.size(), bones, upgrade);
+    if (!(cost < least)) continue;
+    least = cost;
+    best = Upgrade(upgrade.data());
   }
   return best;
 }

@@ -9,6 +9,7 @@
 #include <ceres/solver.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/solve/ceres_options.h"
 #include "canonpose/solve/residuals.h"
 #include "canonpose/solve/serial_linear_algebra.h"
 
@@ -248,13 +249,9 @@ void AdjustmentProblem::FixWhatIsKnown() {
 
 bool AdjustmentProblem::Solve() {
   if (!has_observations_) return false;
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = options_.iterations;
+  ceres::Solver::Options options = SerialOptions(ceres::SPARSE_NORMAL_CHOLESKY, options_.iterations);
   options.function_tolerance = 1e-5;
   options.parameter_tolerance = 1e-7;
-  options.num_threads = 1;  // the same bits whatever the machine; windows run side by side instead
-  options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   const OneOpenMpThread one_thread;
   ceres::Solve(options, &problem_, &summary);

@@ -13,6 +13,7 @@
 #include <ceres/solver.h>
 
 #include "canonpose/base/median.h"
+#include "canonpose/solve/ceres_options.h"
 
 namespace canonpose {
 namespace {
@@ -118,13 +119,8 @@ double Refine(std::span<const AffineView> views, std::size_t joint_count, const 
     cost->SetNumResiduals(static_cast<int>(term.bones.size()));
     problem.AddResidualBlock(cost, new ceres::HuberLoss(1.0), upgrade.data(), lengths.data());
   }
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = 50;
-  options.num_threads = 1;
-  options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  ceres::Solve(SerialOptions(ceres::DENSE_NORMAL_CHOLESKY, 50), &problem, &summary);
   const bool is_sound =
       summary.IsSolutionUsable() && std::ranges::all_of(upgrade, [](double p) { return std::isfinite(p); });
   return is_sound ? summary.final_cost : std::numeric_limits<double>::infinity();

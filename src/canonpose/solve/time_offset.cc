@@ -9,6 +9,7 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
+#include "canonpose/solve/ceres_options.h"
 #include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/residuals.h"
@@ -121,13 +122,8 @@ CameraEstimate OffsetSearch::Refit(int offset) {
   if (problem.NumResidualBlocks() == 0) return camera;
   problem.SetManifold(camera.quaternion.data(), &quaternions);
   problem.SetParameterBlockConstant(&camera.log_focal);
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = 8;
-  options.num_threads = 1;
-  options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  ceres::Solve(SerialOptions(ceres::DENSE_NORMAL_CHOLESKY, 8), &problem, &summary);
   return camera;
 }
 

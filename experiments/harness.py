@@ -14,6 +14,9 @@ MIRRORED_PERCENT = 50.0
 # mirror is a solution.
 TRAP_DEPTH = 1.4
 TRAP_MIRRORED_PERCENT = (5.0, 95.0)
+# The right basin and mirror of a solution: about as deep as the truth, and next to none of its poses mirrored.
+RIGHT_DEPTH = (0.7, 1.4)
+RIGHT_MIRRORED_PERCENT = 5.0
 
 
 def require_build():
@@ -35,9 +38,9 @@ def evaluate(run_folder, data, *options):
     return json.loads(report.read_text())
 
 
-def evaluate_solved(solved):
+def evaluate_solved(solved, *options):
     report = solved.with_suffix(".evaluation.json")
-    run("evaluate", solved, "--json", report)
+    run("evaluate", solved, "--json", report, *options)
     return json.loads(report.read_text())
 
 
@@ -63,6 +66,11 @@ def is_mirrored(result):
 def is_trapped(result):
     low, high = TRAP_MIRRORED_PERCENT
     return result["depth"] > TRAP_DEPTH or low < result["mirrored_percent"] < high
+
+
+def is_right(result):
+    low, high = RIGHT_DEPTH
+    return low < result["depth"] < high and result["mirrored_percent"] < RIGHT_MIRRORED_PERCENT
 
 
 def in_parallel(function, jobs, workers, output=None, recipe=""):

@@ -38,8 +38,9 @@ void AdjustTwice(const CaptureObservations& capture, std::span<const int> frames
   solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
 }
 
-/// Solves from the lifter's poses and from their depth mirror, and keeps what explains the keypoints better. Without
-/// sure evidence the lifter is right: it has learnt from people, or its own mirror was decided when it was trained.
+/// Solves from the start's poses and from their depth mirror, and keeps what explains the keypoints better. Without
+/// sure evidence the start is kept: a lifter has learnt from people, or its own mirror was decided when it was trained;
+/// with a factorisation either is as good.
 Solution DecideMirror(const CaptureObservations& capture, std::span<const int> frames,
                       const CalibrationOptions& options, const std::function<Solution(bool mirrored)>& solve) {
   if (options.mirror != "auto") return solve(options.mirror == "flip");

@@ -18,7 +18,7 @@ namespace canonpose {
 struct Solution {
   RigEstimate estimate;
   AdjustmentScales scales;
-  bool mirrored = false;      ///< found from the depth mirror of the lifter's poses
+  bool mirrored = false;      ///< found from the depth mirror of the start's poses
   double mirror_sigma = 0.0;  ///< Preference() over the mirrored solution
 };
 

@@ -21,7 +21,7 @@ std::string DescribeMirror(const Solution& solution, const std::string& option) 
   if (option == "keep") return "kept by request";
   if (option == "flip") return "flipped by request";
   if (solution.mirrored) return "flipped";
-  return solution.mirror_sigma > kSureSigma ? "kept" : "undecided, kept as the lifter sees it";
+  return solution.mirror_sigma > kSureSigma ? "kept" : "undecided, kept as in the start's poses";
 }
 
 CameraReport DescribeCamera(const CaptureObservations& capture, const Solution& solution, int v,

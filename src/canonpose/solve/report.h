@@ -35,7 +35,7 @@ struct CaptureReport {
   int frames_too_few_views = 0;  ///< left out since fewer than two cameras saw the person
   double reprojection_percent = 0.0;
   double largest_view_angle_deg = 0.0;  ///< between the viewing directions of two cameras
-  std::string mirror;                   ///< kept, flipped, undecided, or by request
+  std::string mirror;                   ///< kept as in the start's poses, flipped, undecided (kept, too), or by request
   double mirror_sigma = 0.0;  ///< standard errors by which the solution explains the keypoints better than its mirror
   int swaps_mended = 0;       ///< frames, summed over cameras, in which left and right were exchanged
   std::vector<OffsetReport> offsets;

@@ -86,7 +86,7 @@ void FinishReport(const CaptureObservations& capture, const SolveOptions& option
   if (!doubt.empty()) report.warnings.push_back(doubt);
   if (options.mirror == "auto" && std::abs(solution.mirror_sigma) < kSureSigma) {
     report.warnings.emplace_back(
-        "perspective does not tell whether depth is the right way round; it is as the lifter sees it");
+        "perspective does not tell whether depth is the right way round; it is as in the start's poses");
   }
 }
 

@@ -1,7 +1,8 @@
 // Self-calibration: 3D poses and cameras of a recording from its 2D keypoints alone.
 //
-// Each capture is solved by itself, in three stages: its cameras from some of its frames, starting from what a lifter
-// sees in each view (calibration.h); every frame in windows (windows.h); then what is told of it (report.h).
+// Each capture is solved by itself, in three stages: its cameras from some of its frames, starting from poses that a
+// lifter or a factorisation found in each view (calibration.h); every frame in windows (windows.h); then what is told
+// of it (report.h).
 #pragma once
 
 #include <string>
@@ -13,7 +14,7 @@
 namespace canonpose {
 
 struct SolveOptions {
-  std::string mirror = "auto";   ///< auto: decided by perspective; keep, flip: of the lifter's poses, by request
+  std::string mirror = "auto";   ///< auto: decided by perspective; keep, flip: of the start's poses, by request
   int calibration_frames = 400;  ///< of a static capture, from which its cameras are found
   int window_frames = 128;       ///< solved at once
   int threads = 0;               ///< 0: as many as the machine has cores; the result does not depend on it

@@ -11,6 +11,7 @@ namespace canonpose {
 void AddImportCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);
 void AddTrainCommand(CLI::App& app);
+void AddTrainMorphCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddLiftCommand(CLI::App& app);
 void AddSolveCommand(CLI::App& app);

@@ -15,6 +15,7 @@
 #include "canonpose/cli/commands.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/data/readers/formats.h"
+#include "canonpose/model/pose_morph.h"
 
 namespace canonpose {
 namespace {
@@ -28,6 +29,7 @@ struct ImportArguments {
   std::vector<std::string> people;       // N or NAME=N
   std::string align = "order";
   std::string calibration;
+  std::string morph;
   std::string output;
   long seed = 0;
 };
@@ -103,7 +105,8 @@ void RunImport(const ImportArguments& arguments) {
   options.Validate();
   // A place that cannot be written is told before reading, which may take minutes.
   { const AtomicFile probe(arguments.output); }
-  const Dataset dataset = ImportDetections(options);
+  Dataset dataset = ImportDetections(options);
+  if (!arguments.morph.empty()) PoseMorph::Open(arguments.morph).Apply(dataset, arguments.output);
   WriteDataset(arguments.output, dataset);
   LogSummary(dataset, arguments.output);
 }
@@ -137,6 +140,10 @@ void AddImportCommand(CLI::App& app) {
       ->add_option("--layout", options.layout,
                    "The detector's layout; by default told by the number of keypoints and anatomy")
       ->type_name("NAME");
+  command
+      ->add_option("--morph", arguments->morph,
+                   "Move the joints by this morphing network (train-morph), onto another skeleton's")
+      ->type_name("RUN");
   command->add_option("--skeleton", options.skeleton, "The skeleton to map to, or native for the detector's own joints")
       ->type_name("NAME")
       ->capture_default_str();

@@ -60,7 +60,8 @@ void PrintDataset(const Dataset& dataset) {
 
 void PrintModel(const ModelInfo& info) {
   fmt::print("made by      canonpose {}\n", info.program_version);
-  fmt::print("training     preset {}, width {}, seed {}, {} steps\n", info.preset, info.width, info.seed, info.steps);
+  fmt::print("training     preset {}, network {}, width {}, seed {}, {} steps\n", info.preset, info.network, info.width,
+             info.seed, info.steps);
   fmt::print("mirror       {}", info.mirror.decision);
   if (info.mirror.slope_error > 0.0) {
     fmt::print(" (slope {:+.3f} +- {:.3f} before the decision; negative is right)", info.mirror.slope,
@@ -71,6 +72,7 @@ void PrintModel(const ModelInfo& info) {
     fmt::print("trap         {} (depth {:.2f} of width, views {:.0f} degrees apart, scattered by {:.0f})\n",
                info.trap.verdict, info.trap.depth_ratio, info.trap.angle_deg, info.trap.scatter_deg);
   }
+  if (info.morph) fmt::print("morph        2D poses go through a network of width {} first\n", info.morph->info.width);
   if (info.perspective != 0.0) fmt::print("perspective  {:.3f}\n", info.perspective);
   for (std::size_t i = 0; i < info.data_files.size(); ++i) {
     fmt::print("data         {} (fingerprint {})\n", info.data_files[i], info.data_fingerprints[i]);

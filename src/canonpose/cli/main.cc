@@ -48,6 +48,7 @@ int Main(int argc, char** argv) {
   AddImportCommand(app);
   AddSimulateCommand(app);
   AddTrainCommand(app);
+  AddTrainMorphCommand(app);
   AddEvaluateCommand(app);
   AddLiftCommand(app);
   AddSolveCommand(app);

@@ -231,6 +231,8 @@ void AddSimulateCommand(CLI::App& app) {
                       "Folder for the same keypoints as AlphaPose writes them: CLIP/CAMERA.json");
   command->add_option("--bvh", arguments->bvh, "Folder for the motion as BVH files");
   command->add_flag("--describe", arguments->describe, "Print what the detector's errors are like");
+  command->add_option("--detector-seed", arguments->options.detector_seed,
+                      "Of the systematic offset: the same detector in other captures (default: --seed)");
   command->add_option("--threads", arguments->threads, "Number of threads (default: all)");
   command
       ->add_option("--seed", arguments->options.seed,

@@ -2,6 +2,7 @@
 #include <csignal>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,9 @@
 #include "canonpose/base/progress.h"
 #include "canonpose/cli/best.h"
 #include "canonpose/cli/commands.h"
+#include "canonpose/data/camera_choice.h"
 #include "canonpose/data/dataset.h"
+#include "canonpose/model/pose_morph.h"
 #include "canonpose/train/trainer.h"
 
 namespace canonpose {
@@ -25,6 +28,8 @@ struct Arguments {
   std::vector<fs::path> data;
   fs::path run_folder;
   std::string frames;
+  std::string cameras;
+  fs::path morph;
   bool resume = false;
   bool overwrite = false;
   /// Options by field name, in the order in which they apply.
@@ -69,9 +74,16 @@ void RunTrain(const Arguments& arguments) {
   job.run_folder = arguments.run_folder;
   job.resume = arguments.resume;
   job.overwrite = arguments.overwrite;
+  std::optional<PoseMorph> morph;
+  if (!arguments.morph.empty()) {
+    morph = PoseMorph::Open(arguments.morph, job.options.device);
+    job.morph = morph->model();
+  }
   for (const fs::path& path : arguments.data) {
     job.datasets.push_back(ReadDataset(path));
     job.data_files.push_back(path.filename().string());
+    if (!arguments.cameras.empty()) KeepCameras(job.datasets.back(), arguments.cameras, path.string());
+    if (morph) morph->Apply(job.datasets.back(), path.string());
     if (!arguments.frames.empty()) KeepFrames(job.datasets.back(), FrameRange::Parse(arguments.frames), path.string());
   }
 
@@ -109,6 +121,10 @@ void AddTrainCommand(CLI::App& app) {
   add("--mirror", "mirror", "auto: decide by perspective; keep or flip: by your choice (default auto)");
   add("--threads", "threads", "Number of threads (default: all)");
   command->add_option("--frames", arguments->frames, "Train on frames A-B of each sequence only, counted from 0");
+  command->add_option("--cameras", arguments->cameras,
+                      "Train on these cameras only: A,B, or the first N of each sequence");
+  command->add_option("--morph", arguments->morph,
+                      "Move the detector's joints by this morphing network first (train-morph); the model keeps it");
   command->add_flag("--resume", arguments->resume, "Go on with the run in the output folder where there is one");
   command->add_flag("--overwrite", arguments->overwrite, "Replace the run in the output folder");
   command->add_option("--set", arguments->settings, "key=value for any training option; an unknown key lists them")

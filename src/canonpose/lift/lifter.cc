@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/model/pose_input.h"
+#include "canonpose/model/pose_morph.h"
 #include "canonpose/model/runtime.h"
 #include "canonpose/model/tensors.h"
 
@@ -22,7 +24,8 @@ constexpr std::int64_t kChunk = 4096;
 struct PoseLifter::State {
   ModelInfo info;
   torch::Device device;
-  mutable Lifter lifter;
+  std::shared_ptr<LiftingNetwork> network;
+  std::optional<PoseMorph> morph;  ///< what poses go through before
 };
 
 PoseLifter::PoseLifter(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -36,8 +39,11 @@ PoseLifter PoseLifter::Open(const std::filesystem::path& run_or_model, const std
   WarnAboutSlowLinearAlgebra();
   ModelFile model = ReadModelFile(run_or_model);
   const torch::Device torch_device(device == "cuda" ? torch::kCUDA : torch::kCPU);
-  Lifter lifter = MakeLifter(model, run_or_model.string(), torch_device);
-  return PoseLifter(std::make_unique<State>(State{std::move(model.info), torch_device, std::move(lifter)}));
+  std::shared_ptr<LiftingNetwork> network = MakeLifter(model, run_or_model.string(), torch_device);
+  std::optional<PoseMorph> morph;
+  if (model.info.morph) morph = PoseMorph::Of(model.info.morph, run_or_model.string(), device);
+  return PoseLifter(
+      std::make_unique<State>(State{std::move(model.info), torch_device, std::move(network), std::move(morph)}));
 }
 
 void PoseLifter::RequireSkeleton(const Skeleton& other, const std::string& file) const {
@@ -69,11 +75,11 @@ class LiftBatch {
   }
 
   /// Lifts the frames that were added, into their places, and forgets them.
-  void Lift(Lifter& lifter, int root, torch::Device device, LiftedPoses& lifted) {
+  void Lift(LiftingNetwork& network, int root, torch::Device device, LiftedPoses& lifted) {
     if (frames_.empty()) return;
     const auto joints = static_cast<std::size_t>(lifted.joint_count);
     const torch::Tensor input = torch::from_blob(input_.data(), {size(), 3 * lifted.joint_count}).to(device);
-    const LifterOutput output = lifter->forward(input);
+    const LifterOutput output = network.forward(input);
     torch::Tensor rotation = output.rotation;  // (B, 3, 3)
     if (turns_)
       rotation = torch::bmm(torch::from_blob(camera_from_turned_.data(), {size(), 3, 3}).to(device), rotation);
@@ -104,6 +110,13 @@ class LiftBatch {
 }  // namespace
 
 LiftedPoses PoseLifter::Lift(const CameraView& view, int frame_count) const {
+  if (!state_->morph) return LiftMorphed(view, frame_count);
+  CameraView morphed = view;
+  state_->morph->Apply(morphed, frame_count);
+  return LiftMorphed(morphed, frame_count);
+}
+
+LiftedPoses PoseLifter::LiftMorphed(const CameraView& view, int frame_count) const {
   const torch::NoGradGuard no_grad;
   const auto frames = static_cast<std::size_t>(frame_count);
   const auto joints = static_cast<std::size_t>(skeleton().joint_count());
@@ -132,9 +145,9 @@ LiftedPoses PoseLifter::Lift(const CameraView& view, int frame_count) const {
   for (std::size_t t = 0; t < frames; ++t) {
     if (!pose_input.Normalise(view, static_cast<int>(t), pose, turned_from_camera)) continue;
     batch.Add(t, pose, turned_from_camera);
-    if (batch.size() == kChunk) batch.Lift(state_->lifter, skeleton().root, state_->device, lifted);
+    if (batch.size() == kChunk) batch.Lift(*state_->network, skeleton().root, state_->device, lifted);
   }
-  batch.Lift(state_->lifter, skeleton().root, state_->device, lifted);
+  batch.Lift(*state_->network, skeleton().root, state_->device, lifted);
   return lifted;
 }
 

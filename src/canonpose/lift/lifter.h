@@ -34,7 +34,7 @@ class PoseLifter {
   [[nodiscard]] const ModelInfo& info() const;
   [[nodiscard]] const Skeleton& skeleton() const { return info().skeleton; }
 
-  /// Lifts the T frames of a view whose joints are those of skeleton().
+  /// Lifts the T frames of a view whose joints are those of skeleton(), as the detector found them.
   [[nodiscard]] LiftedPoses Lift(const CameraView& view, int frame_count) const;
 
   /// Throws Error(kBadInput) naming `file` where data of `other` cannot be lifted by this model.
@@ -42,6 +42,8 @@ class PoseLifter {
 
  private:
   struct State;
+  /// What Lift() does with a view that went through the model's morphing network, where it has one.
+  [[nodiscard]] LiftedPoses LiftMorphed(const CameraView& view, int frame_count) const;
   explicit PoseLifter(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };

@@ -40,7 +40,7 @@ std::filesystem::path WriteModel(const TemporaryFolder& folder, const InputForm&
   model.info.width = 24;
   Lifter lifter(kJoints, 24);
   lifter->Initialise(3);
-  model.parameters = ParametersOf(lifter);
+  model.parameters = ParametersOf(*lifter);
   WriteModelFile(folder / "model.cpm", model);
   return folder / "model.cpm";
 }

@@ -1,9 +1,7 @@
 #include "canonpose/model/lifter.h"
 
-#include <cmath>
-
 #include "canonpose/base/error.h"
-#include "canonpose/base/random.h"
+#include "canonpose/model/tensors.h"
 
 namespace canonpose {
 namespace {
@@ -55,11 +53,18 @@ torch::Tensor ResidualBlockImpl::forward(const torch::Tensor& x) {
   return LeakyRelu(x + LeakyRelu(l2_(LeakyRelu(l1_(x)))));
 }
 
-LifterImpl::LifterImpl(int joint_count, int width, RotationForm form)
-    : joint_count_(joint_count),
+void LiftingNetwork::Mirror() {
+  for (const auto& item : named_parameters()) {
+    torch::Tensor parameter = item.value();
+    MirrorRows(item.key(), parameter);
+  }
+}
+
+LifterImpl::LifterImpl(int joint_count, int width, RotationForm form, bool sees_confidences)
+    : LiftingNetwork(joint_count, sees_confidences),
       width_(width),
       form_(form),
-      upscale_(register_module("upscale", torch::nn::Linear(3 * joint_count, width))),
+      upscale_(register_module("upscale", torch::nn::Linear(input_size(), width))),
       res_common_(register_module("res_common", ResidualBlock(width))),
       res_pose1_(register_module("res_pose1", ResidualBlock(width))),
       res_pose2_(register_module("res_pose2", ResidualBlock(width))),
@@ -69,9 +74,9 @@ LifterImpl::LifterImpl(int joint_count, int width, RotationForm form)
       enc_rot_(register_module("enc_rot", torch::nn::Linear(width, form == RotationForm::kSix ? 6 : 3))) {}
 
 LifterOutput LifterImpl::forward(const torch::Tensor& input) {
-  const torch::Tensor common = res_common_(upscale_(input));
+  const torch::Tensor common = res_common_(upscale_(Seen(input)));
   LifterOutput output;
-  output.pose = pose3d_(res_pose2_(res_pose1_(common))).view({-1, 3, joint_count_});
+  output.pose = pose3d_(res_pose2_(res_pose1_(common))).view({-1, 3, joint_count()});
   const torch::Tensor encoded = enc_rot_(res_cam2_(res_cam1_(common)));
   if (form_ == RotationForm::kSix) {
     output.rotation = RotationFromSix(encoded + torch::eye(3, encoded.options()).narrow(0, 0, 2).flatten());
@@ -82,20 +87,7 @@ LifterOutput LifterImpl::forward(const torch::Tensor& input) {
   return output;
 }
 
-void LifterImpl::Initialise(std::uint64_t seed) {
-  const torch::NoGradGuard no_grad;
-  Rng rng(seed);
-  double bound = 0.0;
-  for (const auto& item : named_parameters()) {
-    torch::Tensor parameter = item.value();
-    // A bias follows its weight and has the same fan in.
-    if (parameter.dim() == 2) bound = 1.0 / std::sqrt(static_cast<double>(parameter.size(1)));
-    torch::Tensor values = torch::empty(parameter.sizes(), torch::kFloat32);
-    float* data = values.data_ptr<float>();
-    for (std::int64_t i = 0; i < values.numel(); ++i) data[i] = static_cast<float>(rng.Uniform(-bound, bound));
-    parameter.copy_(values);
-  }
-}
+void LifterImpl::Initialise(std::uint64_t seed) { InitialiseUniformly(*this, seed); }
 
 void LifterImpl::ScaleRotations(double factor) {
   const torch::NoGradGuard no_grad;
@@ -105,7 +97,7 @@ void LifterImpl::ScaleRotations(double factor) {
 
 void LifterImpl::MirrorRows(const std::string& name, torch::Tensor& tensor) const {
   const torch::NoGradGuard no_grad;
-  const int joints = joint_count_;
+  const int joints = joint_count();
   if (name == "pose3d.weight" || name == "pose3d.bias") tensor.narrow(0, 2 * joints, joints).neg_();
   if (name != "enc_rot.weight" && name != "enc_rot.bias") return;
   if (form_ == RotationForm::kAxisAngle) {
@@ -116,13 +108,6 @@ void LifterImpl::MirrorRows(const std::string& name, torch::Tensor& tensor) cons
   // The first two columns of F R F are F times those of R, and the third, their cross product, follows.
   tensor.select(0, 2).neg_();
   tensor.select(0, 5).neg_();
-}
-
-void LifterImpl::Mirror() {
-  for (const auto& item : named_parameters()) {
-    torch::Tensor parameter = item.value();
-    MirrorRows(item.key(), parameter);
-  }
 }
 
 }  // namespace canonpose

@@ -34,6 +34,43 @@ torch::Tensor Rodrigues(const torch::Tensor& axis_angle);
 /// Continuity of Rotation Representations in Neural Networks", CVPR 2019, equation 15.
 torch::Tensor RotationFromSix(const torch::Tensor& six);
 
+/// What training and lifting know of a network.
+class LiftingNetwork : public torch::nn::Module {
+ public:
+  /// `input` is (B, 3J): x of all joints, y of all joints, confidences. A network that was made not to see confidences
+  /// does not look at the last J.
+  virtual LifterOutput forward(const torch::Tensor& input) = 0;
+
+  [[nodiscard]] int joint_count() const { return joint_count_; }
+
+  /// Draws all parameters from our own generator: the same on every machine and version.
+  virtual void Initialise(std::uint64_t seed) = 0;
+
+  /// Multiplies the weights and the bias of the last rotation layer, where there is one: an untrained network's
+  /// rotations are then as much more spread out.
+  virtual void ScaleRotations(double factor) = 0;
+
+  /// Turns the network into its depth mirror, exactly: with F = diag(1, 1, -1) every pose X becomes F X and every
+  /// rotation F R F, so that each 2D reprojection stays as it is and each depth changes sign.
+  void Mirror();
+
+  /// Applies Mirror()'s signs to a tensor that belongs to the parameter `name` (an optimiser's first moment); others
+  /// are untouched.
+  virtual void MirrorRows(const std::string& name, torch::Tensor& tensor) const = 0;
+
+ protected:
+  LiftingNetwork(int joint_count, bool sees_confidences)
+      : joint_count_(joint_count), sees_confidences_(sees_confidences) {}
+
+  /// The columns of the input that the network sees, and how many.
+  [[nodiscard]] torch::Tensor Seen(const torch::Tensor& input) const { return input.narrow(1, 0, input_size()); }
+  [[nodiscard]] std::int64_t input_size() const { return (sees_confidences_ ? 3 : 2) * joint_count_; }
+
+ private:
+  int joint_count_;
+  bool sees_confidences_;
+};
+
 /// x + lrelu(l2(lrelu(l1(x)))), then one more leaky ReLU; slope 0.01.
 class ResidualBlockImpl : public torch::nn::Module {
  public:
@@ -46,38 +83,26 @@ class ResidualBlockImpl : public torch::nn::Module {
 };
 TORCH_MODULE(ResidualBlock);
 
-/// Input (B, 3J): x of all joints, y of all joints, confidences. Fully connected to `width`, one common residual block,
-/// then a branch of two blocks for the pose and one of two for the rotation. Parameter names are those of the golden
-/// files. Of the form kSix the first two columns of the identity are added to what the rotation branch gives, so that
-/// either form starts near no rotation.
-class LifterImpl : public torch::nn::Module {
+/// Fully connected to `width`, one common residual block, then a branch of two blocks for the pose and one of two for
+/// the rotation. Parameter names are those of the golden files. Of the form kSix the first two columns of the identity
+/// are added to what the rotation branch gives, so that either form starts near no rotation.
+class LifterImpl : public LiftingNetwork {
  public:
-  LifterImpl(int joint_count, int width, RotationForm form = RotationForm::kAxisAngle);
+  LifterImpl(int joint_count, int width, RotationForm form = RotationForm::kAxisAngle, bool sees_confidences = true);
 
-  LifterOutput forward(const torch::Tensor& input);
+  LifterOutput forward(const torch::Tensor& input) override;
 
-  [[nodiscard]] int joint_count() const { return joint_count_; }
   [[nodiscard]] int width() const { return width_; }
 
-  /// Uniform in +-1/sqrt(fan in) (PyTorch's default for linear layers), from our own generator: the same on every
-  /// machine and version.
-  void Initialise(std::uint64_t seed);
+  /// Uniform in +-1/sqrt(fan in), PyTorch's default for linear layers.
+  void Initialise(std::uint64_t seed) override;
+  void ScaleRotations(double factor) override;
 
-  /// Multiplies the weights and the bias of the last rotation layer: an untrained network's rotations are then as much
-  /// more spread out.
-  void ScaleRotations(double factor);
-
-  /// Turns the network into its depth mirror, exactly: with F = diag(1, 1, -1) every pose X becomes F X and every
-  /// rotation F R F, so that each 2D reprojection stays as it is and each depth changes sign. Negates the z rows of the
-  /// pose layer and, of the rotation layer, the x and y rows of a rotation vector or the z rows of the two columns.
-  void Mirror();
-
-  /// Applies Mirror()'s signs to a tensor that belongs to the parameter `name` (an optimiser's first moment); others
-  /// are untouched.
-  void MirrorRows(const std::string& name, torch::Tensor& tensor) const;
+  /// Negates the z rows of the pose layer and, of the rotation layer, the x and y rows of a rotation vector or the z
+  /// rows of the two columns.
+  void MirrorRows(const std::string& name, torch::Tensor& tensor) const override;
 
  private:
-  int joint_count_;
   int width_;
   RotationForm form_;
   torch::nn::Linear upscale_;

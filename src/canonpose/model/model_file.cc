@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "canonpose-model";
-constexpr std::int64_t kLatestVersion = 2;
+constexpr std::int64_t kLatestVersion = 3;
 constexpr std::int64_t kLargestWidth = 65536;
 
 fs::path ModelPath(const fs::path& path) { return fs::is_directory(path) ? path / "model.cpm" : path; }
@@ -39,8 +39,11 @@ h5::File OpenModel(const fs::path& path) {
   return file;
 }
 
-/// Whether a reader of version 1 would take the model for another.
-bool NeedsVersion2(const ModelInfo& info) { return info.rotation != "axis_angle" || info.input.ray != "off"; }
+/// The first version whose readers would not take the model for another.
+int VersionOf(const ModelInfo& info) {
+  if (info.network != "canonical" || info.input.confidences != "on" || info.morph != nullptr) return 3;
+  return info.rotation != "axis_angle" || info.input.ray != "off" ? 2 : 1;
+}
 
 /// One of the words allowed; the first where the attribute is not there, as in files of version 1.
 std::string ReadWord(const h5::Group& root, const char* name, const std::vector<std::string>& allowed) {
@@ -67,10 +70,14 @@ void WriteModelInfo(h5::Group& root, const ModelInfo& info) {
   root.SetDouble("mirror_slope", info.mirror.slope);
   root.SetDouble("mirror_slope_error", info.mirror.slope_error);
   root.SetDouble("perspective", info.perspective);
-  if (NeedsVersion2(info)) {
+  if (VersionOf(info) >= 2) {
     root.SetString("rotation", info.rotation);
     root.SetString("ray", info.input.ray);
     root.SetString("focal", info.input.focal);
+  }
+  if (VersionOf(info) >= 3) {
+    root.SetString("network", info.network);
+    root.SetString("confidences", info.input.confidences);
   }
   if (!info.trap.verdict.empty()) {
     root.SetString("trap_verdict", info.trap.verdict);
@@ -88,6 +95,11 @@ void WriteModelInfo(h5::Group& root, const ModelInfo& info) {
   h5::Group data = root.Create("data");
   data.SetStrings("files", info.data_files);
   data.SetStrings("fingerprints", info.data_fingerprints);
+  if (info.morph == nullptr) return;
+  h5::Group morph = root.Create("morph");
+  WriteModelInfo(morph, info.morph->info);
+  h5::Group parameters = morph.Create("parameters");
+  WriteArrays(parameters, info.morph->parameters);
 }
 
 ModelInfo ReadModelInfo(const h5::Group& root) {
@@ -99,9 +111,11 @@ ModelInfo ReadModelInfo(const h5::Group& root) {
               "the file is damaged: train again");
   }
   info.width = static_cast<int>(width);
+  info.network = ReadWord(root, "network", {"canonical", "martinez", kMorphNetwork});
   info.rotation = ReadWord(root, "rotation", {"axis_angle", "6d"});
   info.input.ray = ReadWord(root, "ray", {"off", "root"});
   info.input.focal = ReadWord(root, "focal", {"guess", "known"});
+  info.input.confidences = ReadWord(root, "confidences", {"on", "off"});
   info.preset = root.GetString("preset");
   info.options = root.GetString("options");
   info.seed = static_cast<std::uint64_t>(root.GetInt("seed"));
@@ -127,6 +141,11 @@ ModelInfo ReadModelInfo(const h5::Group& root) {
     data.Fail("attribute fingerprints", fmt::format("{} of them", info.data_files.size()),
               fmt::format("{}", info.data_fingerprints.size()), "the file is damaged: train again");
   }
+  if (root.Has("morph")) {
+    const h5::Group morph = root.Open("morph");
+    info.morph =
+        std::make_shared<const ModelFile>(ModelFile{ReadModelInfo(morph), ReadArrays(morph.Open("parameters"))});
+  }
   return info;
 }
 
@@ -143,7 +162,7 @@ NamedArrays ReadArrays(const h5::Group& group) {
 void WriteModelFile(const fs::path& path, const ModelFile& model) {
   h5::File file = h5::File::CreateAt(path);
   file.root().SetString("format", kFormat);
-  file.root().SetInt("version", NeedsVersion2(model.info) ? 2 : 1);
+  file.root().SetInt("version", VersionOf(model.info));
   WriteModelInfo(file.root(), model.info);
   {
     h5::Group parameters = file.root().Create("parameters");

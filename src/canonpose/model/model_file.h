@@ -1,20 +1,22 @@
 // The model file (.cpm): everything needed to use a trained lifter, in one HDF5 file. No LibTorch here, so that `info`
 // and others can read one without it.
 //
-//   /            attributes format = "canonpose-model", version = 1 or 2, program_version, width, preset, options
+//   /            attributes format = "canonpose-model", version = 1, 2 or 3, program_version, width, preset, options
 //   (JSON), seed, steps,
-//                mirror_decision, mirror_slope, mirror_slope_error, perspective; in version 2 also rotation, ray,
-//                focal; in either, where it was looked for, trap_verdict, trap_depth_ratio, trap_angle_deg,
-//                trap_scatter_deg
+//                mirror_decision, mirror_slope, mirror_slope_error, perspective; from version 2 on also rotation, ray,
+//                focal, in version 3 network, confidences; in either, where it was looked for, trap_verdict,
+//                trap_depth_ratio, trap_angle_deg, trap_scatter_deg
 //   /skeleton    as in a dataset file
 //   /source      attributes format, layout, confidence_scale, mapping: the kind of keypoint file it was trained on
 //   /data        attributes files, fingerprints: what it was trained on
-//   /parameters  one float32 array a tensor
+//   /morph       in version 3, where there is one: attributes, skeleton, source, data and parameters of a morphing
+//   network /parameters  one float32 array a tensor
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -39,6 +41,7 @@ struct InputForm {
   std::string ray = "off";  ///< off; root: the root's viewing ray is turned onto the optical axis
   std::string focal =
       "guess";  ///< for that, guess: from the image size; known: solved or calibrated where there is one
+  std::string confidences = "on";  ///< off: the network sees 2D coordinates alone
 };
 
 /// Whether training without labels has settled in a solution that is none (train/trap.h).
@@ -49,10 +52,16 @@ struct TrapFinding {
   double scatter_deg = 0.0;  ///< of the relative rotation of two cameras about its mean; NaN where it is not known
 };
 
+struct ModelFile;
+
+/// What ModelInfo::network says of a morphing network (model/morph.h).
+inline constexpr const char* kMorphNetwork = "morph";
+
 struct ModelInfo {
   std::string program_version;
   Skeleton skeleton;
   DatasetSource source;
+  std::string network = "canonical";  ///< canonical: model/lifter.h; martinez: model/martinez_lifter.h; kMorphNetwork
   int width = 0;
   std::string rotation = "axis_angle";  ///< form of the rotation branch, see RotationFormNamed()
   InputForm input;
@@ -65,6 +74,8 @@ struct ModelInfo {
   double perspective = 0.0;                    ///< learned perspective factor k, 0 where none was learned
   std::vector<std::string> data_files;         ///< names without folders
   std::vector<std::string> data_fingerprints;  ///< hexadecimal, see Dataset::Fingerprint()
+  /// What 2D poses go through before this network sees them; null where they go through nothing.
+  std::shared_ptr<const ModelFile> morph;
 };
 
 struct ModelFile {
@@ -72,8 +83,8 @@ struct ModelFile {
   NamedArrays parameters;
 };
 
-/// Writes atomically; the same model gives the same bits. A model that version 1 can say all of is written as
-/// version 1. Throws Error(kBadInput).
+/// Writes atomically; the same model gives the same bits. A model is written as the
+/// first version that can say all of it. Throws Error(kBadInput).
 void WriteModelFile(const std::filesystem::path& path, const ModelFile& model);
 
 /// `path` is a model file, or the folder of a training run that holds model.cpm. Throws Error(kBadInput).

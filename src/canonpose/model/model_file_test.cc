@@ -32,7 +32,7 @@ ModelFile Example() {
   model.info.data_fingerprints = {"0123456789abcdef"};
   Lifter lifter(17, 16);
   lifter->Initialise(1);
-  model.parameters = ParametersOf(lifter);
+  model.parameters = ParametersOf(*lifter);
   return model;
 }
 
@@ -72,7 +72,7 @@ TEST(ModelFile, RotationAndInputFormAreKeptAndOlderFilesHaveNone) {
   model.info.input = {"root", "known"};
   Lifter lifter(17, 16, RotationForm::kSix);
   lifter->Initialise(1);
-  model.parameters = ParametersOf(lifter);
+  model.parameters = ParametersOf(*lifter);
   WriteModelFile(folder / "turned.cpm", model);
   const ModelFile read = ReadModelFile(folder / "turned.cpm");
   EXPECT_EQ(read.info.rotation, "6d");
@@ -113,7 +113,7 @@ TEST(ModelFile, LifterGivesTheSamePosesAfterReading) {
   const ModelFile model = ReadModelFile(folder / "model.cpm");
   Lifter original(17, 16);
   original->Initialise(1);
-  Lifter read = MakeLifter(model, "model.cpm", torch::kCPU);
+  const auto read = MakeLifter(model, "model.cpm", torch::kCPU);
   const torch::NoGradGuard no_grad;
   const torch::Tensor input = torch::ones({1, 51});
   EXPECT_TRUE(torch::equal(original->forward(input).pose, read->forward(input).pose));
@@ -134,7 +134,7 @@ TEST(ModelFile, RefusesOtherVersionsFormatsAndTruncations) {
     file.Commit();
   }
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadModelFile(folder / "other.cpm"); }),
-              AllOf(HasSubstr("version"), HasSubstr("expected 1 to 2"), HasSubstr("found 9")));
+              AllOf(HasSubstr("version"), HasSubstr("expected 1 to 3"), HasSubstr("found 9")));
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadModelFile(folder / "nothing.cpm"); }), HasSubstr("nothing.cpm"));
 }
 

@@ -1,8 +1,11 @@
 #include "canonpose/model/tensors.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/random.h"
+#include "canonpose/model/martinez_lifter.h"
 
 namespace canonpose {
 
@@ -22,15 +25,50 @@ torch::Tensor ToTensor(const h5::Array<float>& array) {
   return tensor;
 }
 
-NamedArrays ParametersOf(const Lifter& lifter) {
-  NamedArrays arrays;
-  for (const auto& item : lifter->named_parameters()) arrays[item.key()] = ToArray(item.value());
+namespace {
+
+/// The parameters and statistics of a network. The number of batches that statistics were taken over says nothing to
+/// anybody.
+torch::OrderedDict<std::string, torch::Tensor> TensorsOf(const torch::nn::Module& network) {
+  torch::OrderedDict<std::string, torch::Tensor> tensors = network.named_parameters();
+  for (const auto& item : network.named_buffers()) {
+    if (!item.key().ends_with("num_batches_tracked")) tensors.insert(item.key(), item.value());
+  }
+  return tensors;
+}
+
+}  // namespace
+
+void InitialiseUniformly(torch::nn::Module& network, std::uint64_t seed) {
+  const torch::NoGradGuard no_grad;
+  Rng rng(seed);
+  double bound = 0.0;
+  for (const auto& item : network.named_parameters()) {
+    torch::Tensor parameter = item.value();
+    // A bias follows its weight and has the same fan in.
+    if (parameter.dim() == 2) bound = 1.0 / std::sqrt(static_cast<double>(parameter.size(1)));
+    torch::Tensor values = torch::empty(parameter.sizes(), torch::kFloat32);
+    float* data = values.data_ptr<float>();
+    for (std::int64_t i = 0; i < values.numel(); ++i) data[i] = static_cast<float>(rng.Uniform(-bound, bound));
+    parameter.copy_(values);
+  }
+}
+
+NamedArrays StatisticsOf(const torch::nn::Module& network) {
+  NamedArrays arrays = ParametersOf(network);
+  for (const auto& item : network.named_parameters()) arrays.erase(item.key());
   return arrays;
 }
 
-void LoadParameters(Lifter& lifter, const NamedArrays& parameters, const std::string& file) {
+NamedArrays ParametersOf(const torch::nn::Module& network) {
+  NamedArrays arrays;
+  for (const auto& item : TensorsOf(network)) arrays[item.key()] = ToArray(item.value());
+  return arrays;
+}
+
+void LoadParameters(torch::nn::Module& network, const NamedArrays& parameters, const std::string& file) {
   const torch::NoGradGuard no_grad;
-  for (const auto& item : lifter->named_parameters()) {
+  for (auto& item : TensorsOf(network)) {
     const auto found = parameters.find(item.key());
     const std::vector<std::size_t> shape(item.value().sizes().begin(), item.value().sizes().end());
     if (found == parameters.end() || found->second.shape != shape) {
@@ -42,12 +80,22 @@ void LoadParameters(Lifter& lifter, const NamedArrays& parameters, const std::st
   }
 }
 
-Lifter MakeLifter(const ModelFile& model, const std::string& file, torch::Device device) {
-  Lifter lifter(model.info.skeleton.joint_count(), model.info.width, RotationFormNamed(model.info.rotation));
-  LoadParameters(lifter, model.parameters, file);
-  lifter->to(device);
-  lifter->eval();
-  return lifter;
+std::shared_ptr<LiftingNetwork> MakeNetwork(const ModelInfo& info) {
+  const int joints = info.skeleton.joint_count();
+  if (info.network == "martinez") return MartinezLifter(joints, info.width).ptr();
+  CANONPOSE_CHECK(info.network == "canonical", "{} is no lifter", info.network);
+  return Lifter(joints, info.width, RotationFormNamed(info.rotation), info.input.confidences == "on").ptr();
+}
+
+std::shared_ptr<LiftingNetwork> MakeLifter(const ModelFile& model, const std::string& file, torch::Device device) {
+  if (model.info.network == kMorphNetwork) {
+    ThrowBadInput({file, "", "a lifter", "a network that morphs 2D poses", "give it as --morph, and a lifter here"});
+  }
+  std::shared_ptr<LiftingNetwork> network = MakeNetwork(model.info);
+  LoadParameters(*network, model.parameters, file);
+  network->to(device);
+  network->eval();
+  return network;
 }
 
 }  // namespace canonpose

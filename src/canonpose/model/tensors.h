@@ -1,6 +1,7 @@
 // Between LibTorch's tensors and the plain arrays of our files.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include <torch/torch.h>
@@ -14,11 +15,20 @@ h5::Array<float> ToArray(const torch::Tensor& tensor);
 /// A float32 tensor on the CPU that owns its data.
 torch::Tensor ToTensor(const h5::Array<float>& array);
 
-NamedArrays ParametersOf(const Lifter& lifter);
-/// Copies parameters into the network. Throws Error(kBadInput) naming `file` where one is missing or has another shape.
-void LoadParameters(Lifter& lifter, const NamedArrays& parameters, const std::string& file);
+/// Draws all parameters uniformly in +-1/sqrt(fan in) (PyTorch's default for linear layers), from our own generator:
+/// the same on every machine and version.
+void InitialiseUniformly(torch::nn::Module& network, std::uint64_t seed);
 
-/// The network of a model file, in evaluation mode, on `device`.
-Lifter MakeLifter(const ModelFile& model, const std::string& file, torch::Device device);
+/// The statistics that batch normalisation keeps; none of other networks.
+NamedArrays StatisticsOf(const torch::nn::Module& network);
+/// All parameters, and statistics.
+NamedArrays ParametersOf(const torch::nn::Module& network);
+/// Copies them into the network. Throws Error(kBadInput) naming `file` where one is missing or has another shape.
+void LoadParameters(torch::nn::Module& network, const NamedArrays& parameters, const std::string& file);
+
+/// The network that a model is of, its parameters not set.
+std::shared_ptr<LiftingNetwork> MakeNetwork(const ModelInfo& info);
+/// The network of a model file, in evaluation mode, on `device`. Throws Error(kBadInput) as LoadParameters() does.
+std::shared_ptr<LiftingNetwork> MakeLifter(const ModelFile& model, const std::string& file, torch::Device device);
 
 }  // namespace canonpose

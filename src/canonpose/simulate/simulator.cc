@@ -265,7 +265,8 @@ SimulatedClip Simulator::Make(int index) const {
       rig_of_file_ ? rig_of_file_ : MakeRig(options_.rig, Rng(options_.seed, {kRigStream, subject}));
   clip.cameras = rig->Film(clip.track, Rng(options_.seed, {kFilming, name}));
   for (std::size_t c = 0; c < clip.cameras.size(); ++c) {
-    clip.detections.push_back(Detect(clip.track, clip.cameras[c], layout_, options_.detector, options_.seed,
+    clip.detections.push_back(Detect(clip.track, clip.cameras[c], layout_, options_.detector,
+                                     options_.detector_seed.value_or(options_.seed),
                                      Rng(options_.seed, {kDetection, name, c})));
   }
 

@@ -50,10 +50,12 @@ void DropJoints(const Skeleton& skeleton, Rng& rng, const TrainingRow& row) {
   for (std::size_t i = 0; i < 2 * joints; ++i) row.keypoints[i] *= scale;
 }
 
+InputForm InputFormOf(const TrainOptions& options) { return {options.ray, options.focal, options.input_confidences}; }
+
 RowForm RowFormOf(const TrainOptions& options) {
   const TrainingTarget target = TargetNamed(options.supervision);
   const bool weights = target == TrainingTarget::kSolved && options.uncertainty_weights == "on";
-  return {target, {options.ray, options.focal}, weights};
+  return {target, InputFormOf(options), weights};
 }
 
 Augmentation::Augmentation(const std::vector<Dataset>& datasets, const TrainingSet& set, const TrainOptions& options)

@@ -38,6 +38,9 @@ class Augmentation {
   std::optional<NewViews> new_views_;
 };
 
+/// How `options` want the network to see a pose.
+InputForm InputFormOf(const TrainOptions& options);
+
 /// How `options` want rows to be made.
 RowForm RowFormOf(const TrainOptions& options);
 

@@ -43,6 +43,10 @@ void RequireTarget(const TrainJob& job) {
   const bool has_target = std::any_of(job.datasets.begin(), job.datasets.end(), [&](const Dataset& data) {
     return is_solved ? data.HasSolved() : data.HasTruth();
   });
+  if (!has_target && job.options.supervision == "triangulated") {
+    ThrowBadInput({files, "", "frames that two calibrated cameras see, which supervision=triangulated learns from",
+                   "none", "import the data with --calibration, or train with another preset"});
+  }
   if (!has_target && is_solved) {
     ThrowBadInput(
         {files, "", "solved 3D poses, which supervision=solved learns from", "none", "run `canonpose solve` first"});

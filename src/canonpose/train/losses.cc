@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "canonpose/base/error.h"
+
 namespace canonpose {
 namespace {
 
@@ -215,33 +217,65 @@ Losses MeanLosses(const TrainingSet& set, std::size_t stride,
   return mean;
 }
 
-Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs,
-                     const LossWeights& weights, const torch::Tensor& perspective, int root) {
-  const torch::Device device = batch.keypoints.device();
-  Losses losses;
+namespace {
 
+/// The mean absolute element of each pair's difference (P, ...), summed with the pairs' weights.
+torch::Tensor WeightedDifference(const torch::Tensor& difference, const PairList& pairs) {
+  const torch::Tensor weight = torch::tensor(pairs.weight, torch::kFloat64).to(difference.options());
+  return (difference.abs().flatten(1).mean(1) * weight).sum();
+}
+
+torch::Tensor ViewLoss(const LifterOutput& output, const BatchTensors& batch, const PairList& pairs,
+                       const torch::Tensor& perspective, int root, Consistency consistency) {
+  const torch::Device device = batch.keypoints.device();
+  const torch::Tensor target = IndexTensor(pairs.target, device);
+  const torch::Tensor pose = output.pose.index_select(0, IndexTensor(pairs.source, device));
+  if (consistency == Consistency::kEqualPoses) {
+    return WeightedDifference(pose - output.pose.index_select(0, target), pairs);
+  }
+  return WeightedError(torch::bmm(output.rotation.index_select(0, target), pose), pairs, batch, target, perspective,
+                       root);
+}
+
+torch::Tensor CameraLoss(const LifterOutput& output, const torch::Tensor& own, const BatchTensors& batch,
+                         const PairList& pairs, const torch::Tensor& perspective, int root, Consistency consistency) {
+  if (pairs.size() == 0) return torch::zeros({}, own.options());
+  const torch::Device device = batch.keypoints.device();
+  const auto relative = [&](const std::vector<std::int64_t>& to, const std::vector<std::int64_t>& from) {
+    return torch::bmm(output.rotation.index_select(0, IndexTensor(to, device)),
+                      output.rotation.index_select(0, IndexTensor(from, device)).transpose(1, 2));
+  };
+  const torch::Tensor of_other_frame = relative(pairs.to, pairs.from);
+  if (consistency == Consistency::kEqualCameras) {
+    return WeightedDifference(relative(pairs.target, pairs.source) - of_other_frame, pairs);
+  }
+  const torch::Tensor rotated = torch::bmm(of_other_frame, own.index_select(0, IndexTensor(pairs.source, device)));
+  return WeightedError(rotated, pairs, batch, IndexTensor(pairs.target, device), perspective, root);
+}
+
+}  // namespace
+
+Consistency ConsistencyNamed(const std::string& name) {
+  CANONPOSE_CHECK(name == "mixing" || name == "equal_poses" || name == "equal_cameras", "{}", name);
+  if (name == "equal_poses") return Consistency::kEqualPoses;
+  return name == "equal_cameras" ? Consistency::kEqualCameras : Consistency::kMixing;
+}
+
+void WeighSeenJointsAlike(BatchTensors& batch) {
+  batch.confidence = (batch.confidence > 0).to(batch.confidence.scalar_type());
+}
+
+Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs,
+                     const LossWeights& weights, const torch::Tensor& perspective, int root, Consistency consistency) {
+  Losses losses;
   const torch::Tensor own = torch::bmm(output.rotation, output.pose);  // (R, 3, J)
   losses.reprojection =
-      WeightedError(own, pairs.reprojection, batch, IndexTensor(pairs.reprojection.target, device), perspective, root);
-
-  const torch::Tensor view_target = IndexTensor(pairs.view.target, device);
-  const torch::Tensor view_rotated = torch::bmm(output.rotation.index_select(0, view_target),
-                                                output.pose.index_select(0, IndexTensor(pairs.view.source, device)));
-  losses.view = WeightedError(view_rotated, pairs.view, batch, view_target, perspective, root);
-
+      WeightedError(own, pairs.reprojection, batch, IndexTensor(pairs.reprojection.target, batch.keypoints.device()),
+                    perspective, root);
+  losses.view = ViewLoss(output, batch, pairs.view, perspective, root, consistency);
   losses.total = weights.reprojection * losses.reprojection + weights.view * losses.view;
-  if (pairs.camera.size() == 0) {
-    losses.camera = torch::zeros({}, own.options());
-    return losses;
-  }
-  const torch::Tensor relative =
-      torch::bmm(output.rotation.index_select(0, IndexTensor(pairs.camera.to, device)),
-                 output.rotation.index_select(0, IndexTensor(pairs.camera.from, device)).transpose(1, 2));
-  const torch::Tensor camera_rotated =
-      torch::bmm(relative, own.index_select(0, IndexTensor(pairs.camera.source, device)));
-  losses.camera =
-      WeightedError(camera_rotated, pairs.camera, batch, IndexTensor(pairs.camera.target, device), perspective, root);
-  losses.total = losses.total + weights.camera * losses.camera;
+  losses.camera = CameraLoss(output, own, batch, pairs.camera, perspective, root, consistency);
+  if (pairs.camera.size() > 0) losses.total = losses.total + weights.camera * losses.camera;
   return losses;
 }
 

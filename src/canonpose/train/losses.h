@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include <torch/torch.h>
@@ -76,6 +77,16 @@ struct LossWeights {
   double camera = 0.1;
 };
 
+/// How what belongs together is made to agree.
+enum class Consistency {
+  kMixing,      ///< the method: each is tried in the other's place
+  kEqualPoses,  ///< instead of view mixing: mean |X_s - X_t| over the joints and axes of two canonical poses of a frame
+  kEqualCameras  ///< instead of camera mixing: mean |R_t R_s^T - R[to] R[from]^T| over the elements
+};
+
+/// Of "mixing", "equal_poses" or "equal_cameras".
+Consistency ConsistencyNamed(const std::string& name);
+
 /// The losses and their weighted sum; scalars. `camera` is 0 without camera pairs. With supervision there is `total`
 /// alone.
 struct Losses {
@@ -106,7 +117,11 @@ Losses ComputeSupervisedLoss(const LifterOutput& output, const BatchTensors& bat
 Losses MeanLosses(const TrainingSet& set, std::size_t stride,
                   const std::function<Losses(const std::vector<const TrainingFrame*>& frames)>& compute);
 
+/// Gives all joints that are seen the confidence 1.
+void WeighSeenJointsAlike(BatchTensors& batch);
+
 Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs,
-                     const LossWeights& weights, const torch::Tensor& perspective, int root);
+                     const LossWeights& weights, const torch::Tensor& perspective, int root,
+                     Consistency consistency = Consistency::kMixing);
 
 }  // namespace canonpose

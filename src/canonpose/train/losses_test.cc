@@ -46,8 +46,9 @@ struct Example {
   }
   Losses Compute(const torch::Tensor& perspective = {}) {
     const BatchPairs pairs = MakeBatchPairs(Pointers(frames), {1, 1}, true, Reversed);
-    return ComputeLosses(lifter->forward(LifterInput(batch)), batch, pairs, LossWeights{}, perspective, 0);
+    return ComputeLosses(lifter->forward(LifterInput(batch)), batch, pairs, LossWeights{}, perspective, 0, consistency);
   }
+  Consistency consistency = Consistency::kMixing;
   std::vector<TrainingFrame> frames;
   Lifter lifter;
   BatchTensors batch;
@@ -98,8 +99,14 @@ TEST(MakeBatchPairs, MovingCapturesHaveNoCameraPairs) {
   EXPECT_EQ(MakeBatchPairs(Pointers(frames), {0}, true, Reversed).camera.size(), 0U);
 }
 
-TEST(Losses, GradientsMatchNumericOnes) {
+class LossesOf : public ::testing::TestWithParam<Consistency> {};
+
+INSTANTIATE_TEST_SUITE_P(Losses, LossesOf,
+                         ::testing::Values(Consistency::kMixing, Consistency::kEqualPoses, Consistency::kEqualCameras));
+
+TEST_P(LossesOf, GradientsMatchNumericOnes) {
   Example example({Frame(0, {0, 1, 2}), Frame(0, {0, 2}), Frame(1, {0, 1}), Frame(0, {0, 1, 2})});
+  example.consistency = GetParam();
   torch::Tensor perspective = torch::tensor(0.4, kDouble).requires_grad_();
   example.batch.confidence[0][2] = 0.0;
   example.batch.keypoints.index_put_({0, torch::indexing::Slice(), 2}, 0.0);
@@ -120,6 +127,33 @@ TEST(Losses, GradientsMatchNumericOnes) {
   };
   for (const auto& item : example.lifter->named_parameters()) check(item.key(), item.value());
   check("perspective", perspective);
+}
+
+TEST(Losses, EqualPosesAreThoseOfOneFrameAndEqualCamerasThoseOfTwoFrames) {
+  Example example({Frame(0, {0, 1}), Frame(0, {0, 1})});
+  LifterOutput output = example.lifter->forward(LifterInput(example.batch));
+  const BatchPairs pairs = MakeBatchPairs(Pointers(example.frames), {1}, true, Reversed);
+  const auto losses = [&](Consistency consistency) {
+    return ComputeLosses(output, example.batch, pairs, {}, {}, 0, consistency);
+  };
+  EXPECT_GT(losses(Consistency::kEqualPoses).view.item<double>(), 1e-3);
+  EXPECT_GT(losses(Consistency::kEqualCameras).camera.item<double>(), 1e-6);
+  // Rows 0, 1 are a frame and 2, 3 another: poses equal within each, relative rotations equal between them.
+  output.pose = output.pose.index_select(0, torch::tensor({0, 0, 2, 2}));
+  const torch::Tensor turn = output.rotation[2];
+  output.rotation = torch::stack({output.rotation[0], output.rotation[1], torch::mm(output.rotation[0], turn),
+                                  torch::mm(output.rotation[1], turn)});
+  EXPECT_NEAR(losses(Consistency::kEqualPoses).view.item<double>(), 0.0, 1e-12);
+  EXPECT_NEAR(losses(Consistency::kEqualCameras).camera.item<double>(), 0.0, 1e-12);
+  EXPECT_GT(losses(Consistency::kMixing).camera.item<double>(), 1e-3);
+}
+
+TEST(Losses, JointsThatAreSeenCountAlikeWhereConfidencesAreLeftOut) {
+  Example example({Frame(0, {0, 1})});
+  example.batch.confidence.select(1, 3).zero_();
+  WeighSeenJointsAlike(example.batch);
+  EXPECT_EQ(example.batch.confidence.min().item<double>(), 0.0);
+  EXPECT_EQ(example.batch.confidence.sum().item<double>(), 2.0 * 5);
 }
 
 TEST(Losses, AreTheSameForTheDepthMirrorWithoutPerspectiveAndDifferWithIt) {

@@ -17,10 +17,10 @@ constexpr std::size_t kMostFrames = 20000;
 constexpr std::int64_t kChunkFrames = 1024;
 
 /// Adds the pairs of a chunk of frames to the regressions of their clips.
-void AddChunk(Lifter& lifter, const TrainingSet& set, const std::vector<const TrainingFrame*>& frames, int root,
+void AddChunk(LiftingNetwork& lifter, const TrainingSet& set, const std::vector<const TrainingFrame*>& frames, int root,
               torch::Device device, std::map<int, SlopeRegression>& regressions) {
   const BatchTensors batch = GatherBatch(set, frames, device);
-  const LifterOutput output = lifter->forward(LifterInput(batch));
+  const LifterOutput output = lifter.forward(LifterInput(batch));
   const PairList pairs = MakeBatchPairs(frames, set.static_captures, false, nullptr).view;
   const torch::Tensor target = torch::tensor(pairs.target, torch::kInt64).to(device);
   const torch::Tensor source = torch::tensor(pairs.source, torch::kInt64).to(device);
@@ -99,7 +99,8 @@ PerspectiveSlope CombineSlopes(const std::vector<double>& slopes) {
   return combined;
 }
 
-PerspectiveSlope MeasurePerspectiveSlope(Lifter& lifter, const TrainingSet& set, int root, torch::Device device) {
+PerspectiveSlope MeasurePerspectiveSlope(LiftingNetwork& lifter, const TrainingSet& set, int root,
+                                         torch::Device device) {
   const torch::NoGradGuard no_grad;
   // Every n-th frame of a long set is enough.
   const std::size_t stride = set.frames.size() / kMostFrames + 1;

@@ -52,7 +52,8 @@ PerspectiveSlope CombineSlopes(const std::vector<double>& slopes);
 
 /// The slope of a lifter on a training set, clip by clip. Poses are taken from one view and compared in the others,
 /// where the network could not bend them to the perspective it saw.
-PerspectiveSlope MeasurePerspectiveSlope(Lifter& lifter, const TrainingSet& set, int root, torch::Device device);
+PerspectiveSlope MeasurePerspectiveSlope(LiftingNetwork& lifter, const TrainingSet& set, int root,
+                                         torch::Device device);
 
 /// Takes up what a slope says, and tells the user. `wish` is TrainOptions::mirror; a decision that was made before
 /// stands unless the slope is sure. Returns whether the network is to be turned round now.

@@ -5,9 +5,9 @@
 
 namespace canonpose {
 
-std::vector<std::pair<std::string, torch::Tensor>> NamedParameters(const Lifter& lifter) {
+std::vector<std::pair<std::string, torch::Tensor>> NamedParameters(const torch::nn::Module& network) {
   std::vector<std::pair<std::string, torch::Tensor>> parameters;
-  for (const auto& item : lifter->named_parameters()) parameters.emplace_back(item.key(), item.value());
+  for (const auto& item : network.named_parameters()) parameters.emplace_back(item.key(), item.value());
   return parameters;
 }
 

@@ -14,7 +14,7 @@
 namespace canonpose {
 
 /// All parameters of a network, in its order.
-std::vector<std::pair<std::string, torch::Tensor>> NamedParameters(const Lifter& lifter);
+std::vector<std::pair<std::string, torch::Tensor>> NamedParameters(const torch::nn::Module& network);
 
 /// Adds the values and moments of all parameters.
 void StoreOptimiser(const Adam& adam, Checkpoint& checkpoint);

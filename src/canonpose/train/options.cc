@@ -20,6 +20,7 @@ void VisitFields(Options& o, Visit&& visit) {
   visit("epochs", o.epochs, true);
   visit("default_epochs", o.default_epochs, true);
   visit("min_steps", o.min_steps, true);
+  visit("network", o.network, true);
   visit("width", o.width, true);
   visit("batch_frames", o.batch_frames, true);
   visit("learning_rate", o.learning_rate, true);
@@ -27,6 +28,9 @@ void VisitFields(Options& o, Visit&& visit) {
   visit("schedule", o.schedule, true);
   visit("supervision", o.supervision, true);
   visit("bootstrap", o.bootstrap, true);
+  visit("input_confidences", o.input_confidences, true);
+  visit("loss_confidences", o.loss_confidences, true);
+  visit("consistency", o.consistency, true);
   visit("ray", o.ray, true);
   visit("focal", o.focal, true);
   visit("rotation", o.rotation, true);
@@ -80,6 +84,12 @@ void RequireOneOf(const char* name, const std::string& value, std::initializer_l
 /// Options that only go together with some kind of supervision.
 void ValidateSupervision(const TrainOptions& options) {
   if (options.supervision == "none") {
+    if (options.network != "canonical") {
+      ThrowUsage("network={} answers no rotation that views could share: it needs supervision", options.network);
+    }
+    if (options.consistency == "equal_cameras" && options.camera_consistency == "off") {
+      ThrowUsage("consistency=equal_cameras is a form of camera consistency: set camera_consistency, too");
+    }
     if (options.new_views > 0 || options.flips > 0 || options.joint_dropout > 0) {
       ThrowUsage("new_views, flips and joint_dropout change a 3D pose to learn from: they need supervision");
     }
@@ -92,6 +102,13 @@ void ValidateSupervision(const TrainOptions& options) {
   if (options.restarts > 1) {
     ThrowUsage("restarts: they are chosen by the loss of view mixing, which supervision={} has not",
                options.supervision);
+  }
+  if (options.consistency != "mixing" || options.loss_confidences != "on") {
+    ThrowUsage("consistency and loss_confidences belong to the losses of views, which supervision={} has not",
+               options.supervision);
+  }
+  if (options.network == "martinez" && (options.rotation != "axis_angle" || options.rotation_spread != 1.0)) {
+    ThrowUsage("network=martinez answers no rotation: leave rotation and rotation_spread out");
   }
   if (options.mirror != "auto") {
     ThrowUsage("mirror: with supervision={} there is none to decide; leave it out", options.supervision);
@@ -136,7 +153,11 @@ void TrainOptions::Validate() const {
   require(flips >= 0 && flips <= 1, "flips", "0 to 1", flips);
   require(joint_dropout >= 0 && joint_dropout <= 1, "joint_dropout", "0 to 1", joint_dropout);
   RequireOneOf("schedule", schedule, {"steps", "cosine"});
-  RequireOneOf("supervision", supervision, {"none", "truth", "solved"});
+  RequireOneOf("supervision", supervision, {"none", "truth", "solved", "triangulated"});
+  RequireOneOf("network", network, {"canonical", "martinez"});
+  RequireOneOf("input_confidences", input_confidences, {"on", "off"});
+  RequireOneOf("loss_confidences", loss_confidences, {"on", "off"});
+  RequireOneOf("consistency", consistency, {"mixing", "equal_poses", "equal_cameras"});
   RequireOneOf("ray", ray, {"off", "root"});
   RequireOneOf("focal", focal, {"guess", "known"});
   RequireOneOf("rotation", rotation, {"axis_angle", "6d"});
@@ -195,15 +216,19 @@ std::vector<std::string> TrainOptions::Differences(const TrainOptions& other) co
   return names;
 }
 
-std::string PresetNames() { return "paper, paper+c, plus, supervised, best"; }
+std::string PresetNames() { return "paper, paper+c, plus, supervised, martinez, epipolar, best"; }
 
 TrainOptions PresetOptions(const std::string& preset) {
   TrainOptions options;
   options.preset = preset;
   options.min_steps = 3000;
   if (preset == "paper") return options;
-  if (preset == "supervised") {
-    options.supervision = "truth";
+  if (preset == "supervised" || preset == "martinez" || preset == "epipolar") {
+    options.supervision = preset == "epipolar" ? "triangulated" : "truth";
+    if (preset != "martinez") return options;
+    options.network = "martinez";
+    options.learning_rate = 1e-3;  // the authors'
+    options.weight_decay = 0.0;
     return options;
   }
   if (preset == "best") {

@@ -9,21 +9,32 @@
 namespace canonpose {
 
 struct TrainOptions {
-  std::string preset = "plus";  ///< what the others were set by: paper, paper+c, plus, supervised, best
-  int epochs = 0;               ///< 0: `default_epochs`, more where `min_steps` asks for it
+  std::string preset =
+      "plus";      ///< what the others were set by: paper, paper+c, plus, supervised, martinez, epipolar, best
+  int epochs = 0;  ///< 0: `default_epochs`, more where `min_steps` asks for it
   int default_epochs = 100;
-  int min_steps = 0;               ///< a small recording is gone through more often until this many steps are taken
-  int width = 1024;                ///< of the lifter's layers
-  int batch_frames = 32;           ///< frames a step, each with all its views
-  double learning_rate = 1e-4;     ///< at the start
+  int min_steps = 0;                  ///< a small recording is gone through more often until this many steps are taken
+  std::string network = "canonical";  ///< canonical: the method's; martinez: a supervised baseline's, which answers a
+                                      ///< pose in the camera alone (model/martinez_lifter.h)
+  int width = 1024;                   ///< of the network's layers
+  int batch_frames = 32;              ///< frames a step, each with all its views
+  double learning_rate = 1e-4;        ///< at the start
   std::string schedule = "steps";  ///< of the rate, steps: x 0.1 after 30, 60 and 90 % of the epochs; cosine: down to 0
   double weight_decay = 1e-5;      ///< L2, added to the gradient
   std::string supervision = "none";  ///< none: the views alone; solved: the 3D poses that `solve` found from all views;
-                                     ///< truth: the dataset's true ones, as a measure of what could be had
+                                     ///< truth: the dataset's true ones, as a measure of what could be had;
+                                     ///< triangulated: what the dataset's calibration makes of its keypoints, as
+                                     ///< EpipolarPose learns (Kocabas et al., CVPR 2019)
   /// Of preset best, for data not solved yet: what they are solved from. starter: a lifter trained on simulated people;
   /// method: one trained on the data by the method; factorisation: none, for static cameras; auto: the starter where it
   /// knows the joints, otherwise factorisation or, where cameras move, the method
   std::string bootstrap = "auto";
+  std::string input_confidences = "on";  ///< off: the network sees 2D coordinates alone
+  std::string loss_confidences = "on";   ///< off: all joints that are seen count the same in the loss
+  /// mixing: poses and rotations are mixed over views and frames, as the method does. Ablations of it: equal_poses,
+  /// where view consistency asks the canonical poses of a frame to be equal instead; equal_cameras, where camera
+  /// consistency asks the relative rotations of two frames to be equal
+  std::string consistency = "mixing";
   std::string ray = "off";  ///< root: the root's viewing ray is turned onto the optical axis (model/pose_input.h)
   std::string focal =
       "guess";  ///< for that, guess: from the image size; known: solved or calibrated where there is one
@@ -80,12 +91,14 @@ struct TrainOptions {
 ///   plus     paper+c where cameras are static, with the learned perspective factor, a quarter of the width and a
 ///   higher learning rate
 ///   supervised  the same lifter trained with the dataset's true 3D poses: what the others are measured against
+///   martinez    the network of Martinez et al. (ICCV 2017), trained with the true 3D poses
+///   epipolar    the same lifter trained with poses that the dataset's calibration makes of its keypoints
 ///   best     a lifter trained with the 3D poses that `solve` found from all views, seen from many more views
 ///
 /// All go through a small recording more often than 100 times, until 3000 steps are taken.
 TrainOptions PresetOptions(const std::string& preset);
 
-/// "paper, paper+c, plus, supervised, best"
+/// "paper, paper+c, plus, supervised, martinez, epipolar, best"
 std::string PresetNames();
 
 }  // namespace canonpose

@@ -83,6 +83,20 @@ TEST(TrainOptions, MistakesAreNamed) {
               AllOf(HasSubstr("papper"), HasSubstr("paper+c")));
 }
 
+TEST(TrainOptions, AblationsAndBaselinesGoWithWhatTheyChange) {
+  const auto complaint = [](const std::string& preset, const std::string& name, const std::string& value) {
+    TrainOptions options = PresetOptions(preset);
+    options.Set(name, value);
+    return ErrorOf(ExitCode::kUsage, [&] { options.Validate(); });
+  };
+  EXPECT_THAT(complaint("paper", "network", "martinez"), HasSubstr("needs supervision"));
+  EXPECT_THAT(complaint("paper", "consistency", "equal_cameras"), HasSubstr("camera_consistency"));
+  EXPECT_THAT(complaint("supervised", "consistency", "equal_poses"), HasSubstr("supervision=truth"));
+  EXPECT_THAT(complaint("supervised", "loss_confidences", "off"), HasSubstr("supervision=truth"));
+  EXPECT_THAT(complaint("martinez", "rotation", "6d"), HasSubstr("no rotation"));
+  for (const char* preset : {"martinez", "epipolar"}) PresetOptions(preset).Validate();
+}
+
 TEST(TrainOptions, WhatChangesA3dPoseNeedsOne) {
   TrainOptions options = PresetOptions("best");
   options.Validate();

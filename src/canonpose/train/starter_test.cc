@@ -196,7 +196,7 @@ TEST(Starter, LiftsUnknownJointsToNaNAndDoesNotLookAtThem) {
   ASSERT_TRUE(StarterKnows(skeleton));
   const TemporaryFolder cache;
   const ModelFile model = ReadModelFile(StarterModel(skeleton, Tiny(cache)));
-  Lifter lifter = MakeLifter(model, "starter", torch::kCPU);
+  const auto lifter = MakeLifter(model, "starter", torch::kCPU);
   const torch::NoGradGuard no_grad;
   torch::Tensor input = torch::full({1, 54}, 0.1F);
   const torch::Tensor pose = lifter->forward(input).pose;  // (1, 3, 18)

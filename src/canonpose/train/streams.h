@@ -9,6 +9,7 @@ inline constexpr std::uint64_t kInitialisation = 1;
 inline constexpr std::uint64_t kFrameOrder = 2;      ///< and the epoch
 inline constexpr std::uint64_t kPermutations = 3;    ///< and the step
 inline constexpr std::uint64_t kAugmentation = 4;    ///< and the step
+inline constexpr std::uint64_t kDropout = 5;         ///< and the step
 inline constexpr std::uint64_t kRestartSeeds = 101;  ///< and the restart
 
 }  // namespace canonpose::stream

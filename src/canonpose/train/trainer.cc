@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
@@ -31,6 +32,7 @@
 #include "canonpose/train/streams.h"
 #include "canonpose/train/training_set.h"
 #include "canonpose/train/trap.h"
+#include "canonpose/train/triangulated_targets.h"
 
 namespace canonpose {
 namespace {
@@ -74,6 +76,8 @@ class TrainingRun {
 
   void TakeStep();
   Losses BatchLosses(std::int64_t step);
+  /// Without supervision. May change the batch's confidences.
+  Losses LossesOfViews(BatchTensors& batch, const BatchPairs& pairs, const LossWeights& weights);
   void RequireSoundness();
   [[noreturn]] void StopAtBadLoss(const std::string& what);
   void StartAfresh();
@@ -98,28 +102,55 @@ class TrainingRun {
   Augmentation augmentation_;
   int root_;
   torch::Device device_;
-  Lifter lifter_;
+  ModelInfo info_;
+  std::shared_ptr<LiftingNetwork> network_;
   torch::Tensor perspective_;
   Adam adam_;
   Adam perspective_adam_;
   bool perspective_is_free_ = false;
-  ModelInfo info_;
   EpochSums sums_;
   std::int64_t step_ = 0;
   RestartState restarts_;
   std::chrono::steady_clock::time_point epoch_start_ = std::chrono::steady_clock::now();
 };
 
-void InitialiseLifter(Lifter& lifter, const TrainOptions& options, std::uint64_t seed) {
-  lifter->Initialise(Rng(seed, {stream::kInitialisation}).Bits());
-  if (options.rotation_spread != 1.0) lifter->ScaleRotations(options.rotation_spread);
+/// Of "truth", "solved" or "triangulated", in a sentence.
+const char* SourceOfTargets(const std::string& supervision) {
+  if (supervision == "truth") return "truth";
+  return supervision == "solved" ? "solution" : "calibration";
 }
 
-Lifter NewLifter(int joints, const TrainOptions& options, torch::Device device) {
-  Lifter lifter(joints, options.width, RotationFormNamed(options.rotation));
-  InitialiseLifter(lifter, options, options.seed);
-  lifter->to(device);
-  return lifter;
+void InitialiseNetwork(LiftingNetwork& network, const TrainOptions& options, std::uint64_t seed) {
+  network.Initialise(Rng(seed, {stream::kInitialisation}).Bits());
+  if (options.rotation_spread != 1.0) network.ScaleRotations(options.rotation_spread);
+}
+
+std::shared_ptr<LiftingNetwork> NewNetwork(const ModelInfo& info, const TrainOptions& options, torch::Device device) {
+  std::shared_ptr<LiftingNetwork> network = MakeNetwork(info);
+  InitialiseNetwork(*network, options, options.seed);
+  network->to(device);
+  network->eval();
+  return network;
+}
+
+/// What the model file says of a job before anything is trained.
+ModelInfo DescribeModel(const TrainJob& job) {
+  const TrainOptions& options = job.options;
+  ModelInfo info;
+  info.program_version = ProgramVersion();
+  info.skeleton = job.datasets.front().skeleton;
+  info.source = job.datasets.front().source;
+  info.network = options.network;
+  info.width = options.width;
+  info.rotation = options.rotation;
+  info.input = InputFormOf(options);
+  info.preset = options.preset;
+  info.options = options.ToJson(/*only_what_changes_results=*/true);
+  info.seed = options.seed;
+  info.data_files = job.data_files;
+  info.morph = job.morph;
+  for (const Dataset& dataset : job.datasets) info.data_fingerprints.push_back(FingerprintOf(dataset, options));
+  return info;
 }
 
 TrainingRun::TrainingRun(const TrainJob& job, TrainingSplit split)
@@ -131,28 +162,18 @@ TrainingRun::TrainingRun(const TrainJob& job, TrainingSplit split)
       augmentation_(job.datasets, split_.training, options_),
       root_(job.datasets.front().skeleton.root),
       device_(options_.device == "cuda" ? torch::kCUDA : torch::kCPU),
-      lifter_(NewLifter(split_.training.joint_count, options_, device_)),
+      info_(DescribeModel(job)),
+      network_(NewNetwork(info_, options_, device_)),
       perspective_(torch::zeros({}, torch::TensorOptions(device_)).requires_grad_()),
-      adam_(NamedParameters(lifter_), options_.weight_decay),
-      perspective_adam_({{kPerspectiveName, perspective_}}, 0.0) {
-  info_.program_version = ProgramVersion();
-  info_.skeleton = job.datasets.front().skeleton;
-  info_.source = job.datasets.front().source;
-  info_.width = options_.width;
-  info_.rotation = options_.rotation;
-  info_.input = {options_.ray, options_.focal};
-  info_.preset = options_.preset;
-  info_.options = options_.ToJson(/*only_what_changes_results=*/true);
-  info_.seed = options_.seed;
-  info_.data_files = job.data_files;
-  for (const Dataset& dataset : job.datasets) info_.data_fingerprints.push_back(FingerprintOf(dataset, options_));
-}
+      adam_(NamedParameters(*network_), options_.weight_decay),
+      perspective_adam_({{kPerspectiveName, perspective_}}, 0.0) {}
 
 Checkpoint TrainingRun::MakeCheckpoint() const {
   Checkpoint checkpoint{info_, sums_, perspective_adam_.step_count(), {}, {}, {}, {}};
   checkpoint.info.steps = step_;
   checkpoint.info.perspective = perspective_.item<double>();
   for (const Adam* adam : {&adam_, &perspective_adam_}) StoreOptimiser(*adam, checkpoint);
+  checkpoint.parameters.merge(StatisticsOf(*network_));
   return checkpoint;
 }
 
@@ -176,7 +197,7 @@ void TrainingRun::Restore(const Checkpoint& checkpoint) {
 
 void TrainingRun::RestoreState(const Checkpoint& checkpoint) {
   const std::string file = File("checkpoint.h5").string();
-  LoadParameters(lifter_, checkpoint.parameters, file);
+  LoadParameters(*network_, checkpoint.parameters, file);
   for (Adam* adam : {&adam_, &perspective_adam_}) RestoreOptimiser(checkpoint, file, *adam);
   step_ = checkpoint.info.steps;
   adam_.set_step_count(step_);
@@ -194,9 +215,9 @@ Losses TrainingRun::BatchLosses(std::int64_t step) {
     const RowChange change = [&](int row, const TrainingRow& copy) { augmentation_.Change(row, rng, copy); };
     const BatchTensors batch =
         GatherBatch(split_.training, frames, device_, augmentation_.any() ? change : RowChange());
-    return ComputeSupervisedLoss(lifter_->forward(LifterInput(batch)), batch, root_);
+    return ComputeSupervisedLoss(network_->forward(LifterInput(batch)), batch, root_);
   }
-  const BatchTensors batch = GatherBatch(split_.training, frames, device_);
+  BatchTensors batch = GatherBatch(split_.training, frames, device_);
   Rng permutations(seed(), {stream::kPermutations, static_cast<std::uint64_t>(step)});
   const bool is_static = options_.camera_consistency == "static";
   const double left = is_static ? 1.0 : WindowLeft(options_, schedule_, step);
@@ -204,11 +225,22 @@ Losses TrainingRun::BatchLosses(std::int64_t step) {
       frames, split_.training.static_captures, is_static || (left > 0.0 && !windows.empty()),
       [&](std::size_t count) { return permutations.Permutation(count); }, windows);
   const LossWeights weights{1.0, options_.view_weight, options_.camera_weight * left};
-  return ComputeLosses(lifter_->forward(LifterInput(batch)), batch, pairs, weights, PerspectiveInLosses(), root_);
+  return LossesOfViews(batch, pairs, weights);
+}
+
+Losses TrainingRun::LossesOfViews(BatchTensors& batch, const BatchPairs& pairs, const LossWeights& weights) {
+  const LifterOutput output = network_->forward(LifterInput(batch));
+  if (options_.loss_confidences == "off") WeighSeenJointsAlike(batch);
+  return ComputeLosses(output, batch, pairs, weights, PerspectiveInLosses(), root_,
+                       ConsistencyNamed(options_.consistency));
 }
 
 void TrainingRun::TakeStep() {
+  // Dropout is LibTorch's own: its generator is set anew, so that a step depends on its number alone.
+  torch::manual_seed(Rng(seed(), {stream::kDropout, static_cast<std::uint64_t>(step_)}).Bits());
+  network_->train();
   const Losses losses = BatchLosses(step_);
+  network_->eval();
   const double total = losses.total.item<double>();
   if (!std::isfinite(total)) StopAtBadLoss(fmt::format("the loss became {} at step {}", total, step_ + 1));
   losses.total.backward();
@@ -253,27 +285,26 @@ void TrainingRun::FreePerspectiveIfDecided() {
 }
 
 void TrainingRun::Mirror() {
-  lifter_->Mirror();
-  for (Adam::Parameter& parameter : adam_.parameters()) lifter_->MirrorRows(parameter.name, parameter.first_moment);
+  network_->Mirror();
+  for (Adam::Parameter& parameter : adam_.parameters()) network_->MirrorRows(parameter.name, parameter.first_moment);
 }
 
 void TrainingRun::DecideMirror() {
   if (is_supervised()) {
-    info_.mirror = {options_.supervision == "truth" ? "known from the truth" : "known from the solution", 0.0, 0.0};
+    info_.mirror = {fmt::format("known from the {}", SourceOfTargets(options_.supervision)), 0.0, 0.0};
     return;
   }
-  const PerspectiveSlope slope = MeasurePerspectiveSlope(lifter_, split_.training, root_, device_);
+  const PerspectiveSlope slope = MeasurePerspectiveSlope(*network_, split_.training, root_, device_);
   if (UpdateMirrorDecision(slope, options_.mirror, info_.mirror)) Mirror();
 }
 
 Losses TrainingRun::MeanLossesOf(const TrainingSet& set, std::size_t frames_wanted) {
   const std::size_t stride = (set.frames.size() + frames_wanted - 1) / frames_wanted;
   return MeanLosses(set, stride, [&](const std::vector<const TrainingFrame*>& frames) {
-    const BatchTensors batch = GatherBatch(set, frames, device_);
-    const LifterOutput output = lifter_->forward(LifterInput(batch));
-    if (is_supervised()) return ComputeSupervisedLoss(output, batch, root_);
-    return ComputeLosses(output, batch, MakeBatchPairs(frames, set.static_captures, false, nullptr),
-                         {1.0, options_.view_weight, 0.0}, PerspectiveInLosses(), root_);
+    BatchTensors batch = GatherBatch(set, frames, device_);
+    if (is_supervised()) return ComputeSupervisedLoss(network_->forward(LifterInput(batch)), batch, root_);
+    return LossesOfViews(batch, MakeBatchPairs(frames, set.static_captures, false, nullptr),
+                         {1.0, options_.view_weight, 0.0});
   });
 }
 
@@ -283,7 +314,7 @@ std::optional<double> TrainingRun::ValidationLoss() {
 }
 
 void TrainingRun::StartAfresh() {
-  InitialiseLifter(lifter_, options_, seed());
+  InitialiseNetwork(*network_, options_, seed());
   perspective_.detach().zero_();
   for (Adam* adam : {&adam_, &perspective_adam_}) ResetOptimiser(*adam);
   perspective_is_free_ = false;
@@ -379,10 +410,10 @@ TrainReport TrainingRun::Finish() {
   TrainReport report;
   report.validation_loss = ValidationLoss();
   if (!is_supervised())
-    info_.trap = ReportTrap(MeasureTrapSigns(lifter_, split_.training, root_, device_), info_.input);
+    info_.trap = ReportTrap(MeasureTrapSigns(*network_, split_.training, root_, device_), info_.input);
   info_.steps = step_;
   info_.perspective = perspective_.item<double>();
-  WriteModelFile(File("model.cpm"), {info_, ParametersOf(lifter_)});
+  WriteModelFile(File("model.cpm"), {info_, ParametersOf(*network_)});
   report.model = info_;
   return report;
 }
@@ -415,9 +446,15 @@ std::optional<TrainOptions> RecordedOptions(const fs::path& run_folder) {
   return TrainOptions::FromJson(ReadCheckpoint(path).info.options, path.string());
 }
 
-TrainReport Train(const TrainJob& job) {
+TrainReport Train(const TrainJob& given) {
   const auto start = std::chrono::steady_clock::now();
-  job.options.Validate();
+  given.options.Validate();
+  std::optional<TrainJob> triangulated;
+  if (given.options.supervision == "triangulated") {
+    triangulated = given;
+    for (Dataset& dataset : triangulated->datasets) LearnFromTriangulation(dataset);
+  }
+  const TrainJob& job = triangulated ? *triangulated : given;
   RequireDevice(job.options.device);
   SetThreadCount(job.options.threads);
   WarnAboutSlowLinearAlgebra();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ namespace canonpose {
 struct TrainJob {
   std::vector<Dataset> datasets;
   std::vector<std::string> data_files;  ///< their names, for the record
+  /// The morphing network that the datasets' 2D poses went through, for the record: the model will apply it to what it
+  /// lifts. Null: they did not.
+  std::shared_ptr<const ModelFile> morph;
   TrainOptions options;
   std::filesystem::path run_folder;
   bool resume = false;     ///< go on from checkpoint.h5 where there is one

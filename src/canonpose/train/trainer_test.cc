@@ -32,14 +32,39 @@ using testing::CalibratedShow;
 using testing::kJoints;
 using testing::PuppetShow;
 
+/// A puppet that does not turn, before cameras around it whose calibration is known.
+Dataset CalibratedRing(int frames, int cameras) {
+  Dataset dataset = PuppetShow(frames, cameras);
+  for (std::size_t c = 0; c < dataset.sequences[0].cameras.size(); ++c) {
+    CameraView& view = dataset.sequences[0].cameras[c];
+    const double azimuth = 1.1 * static_cast<double>(c);
+    Camera camera;
+    camera.K << 800, 0, 500, 0, 800, 500, 0, 0, 1;
+    camera.camera_from_world_rotation = Eigen::AngleAxisd(azimuth, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    camera.camera_from_world_translation_mm = {0.0, 0.0, 3.5};
+    view.calibration = {camera};
+    for (std::size_t i = 0; i < view.confidence.size(); ++i) {
+      const auto& at = testing::PuppetAt(0.13 * static_cast<double>(i / kJoints))[i % kJoints];
+      const Eigen::Vector3d point(at[0], at[1], at[2]);
+      const Eigen::Vector3d in_camera = camera.InCamera(point);
+      for (int axis = 0; axis < 3; ++axis)
+        view.truth[3 * i + static_cast<std::size_t>(axis)] = static_cast<float>(in_camera[axis]);
+      const Eigen::Vector2d pixel = camera.Project(point);
+      for (int axis = 0; axis < 2; ++axis)
+        view.keypoints[2 * i + static_cast<std::size_t>(axis)] = static_cast<float>(pixel[axis]);
+    }
+  }
+  return dataset;
+}
+
 /// Correlation of predicted with true depths relative to the root, over all joints, frames and views: near 1 for the
 /// right solution, near -1 for its mirror.
-double DepthCorrelation(Lifter& lifter, const Dataset& dataset) {
+double DepthCorrelation(LiftingNetwork& lifter, const Dataset& dataset) {
   const torch::NoGradGuard no_grad;
   const TrainingSplit split = MakeTrainingSplit({dataset}, 0.0);
   std::vector<const TrainingFrame*> frames;
   for (const TrainingFrame& frame : split.training.frames) frames.push_back(&frame);
-  const LifterOutput output = lifter->forward(LifterInput(GatherBatch(split.training, frames, torch::kCPU)));
+  const LifterOutput output = lifter.forward(LifterInput(GatherBatch(split.training, frames, torch::kCPU)));
   const torch::Tensor depth =
       torch::bmm(output.rotation, output.pose).select(1, 2).contiguous();  // (R, J): frames, then cameras
   const float* predictions = depth.data_ptr<float>();
@@ -148,15 +173,24 @@ TrainJob WindowedJob(const TemporaryFolder& folder, const std::string& name) {
   return job;
 }
 
+/// Batch normalisation has statistics to keep, dropout random numbers.
+TrainJob MartinezJob(const TemporaryFolder& folder, const std::string& name) {
+  TrainJob job = Job(folder, name, "martinez");
+  job.datasets = {PuppetShow(40, 3)};
+  job.options.width = 16;
+  return job;
+}
+
 class TrainInPieces : public ::testing::TestWithParam<std::string> {};
 
-INSTANTIATE_TEST_SUITE_P(Train, TrainInPieces, ::testing::Values("plain", "augmented", "windowed"),
+INSTANTIATE_TEST_SUITE_P(Train, TrainInPieces, ::testing::Values("plain", "augmented", "windowed", "martinez"),
                          [](const auto& kind) { return kind.param; });
 
 TEST_P(TrainInPieces, InterruptedAndResumedGivesTheSameBitsAndMetrics) {
   const TemporaryFolder folder;
   TrainJob job = GetParam() == "augmented"  ? AugmentedJob(folder, "whole")
                  : GetParam() == "windowed" ? WindowedJob(folder, "whole")
+                 : GetParam() == "martinez" ? MartinezJob(folder, "whole")
                                             : Job(folder, "whole");
   job.options.epochs = 60;
   Train(job);
@@ -213,17 +247,34 @@ TEST(Train, LearnsTheBodyTheRightWayRoundForEverySeed) {
     EXPECT_GT(report.model.perspective, 0.2) << seed;
     EXPECT_EQ(report.model.trap.verdict, "right") << seed;
 
-    Lifter lifter = MakeLifter(ReadModelFile(job.run_folder), "model.cpm", torch::kCPU);
-    EXPECT_GT(DepthCorrelation(lifter, job.datasets[0]), 0.95) << seed;
+    const auto lifter = MakeLifter(ReadModelFile(job.run_folder), "model.cpm", torch::kCPU);
+    EXPECT_GT(DepthCorrelation(*lifter, job.datasets[0]), 0.95) << seed;
     lifter->Mirror();
-    EXPECT_LT(DepthCorrelation(lifter, job.datasets[0]), -0.95) << seed;
+    EXPECT_LT(DepthCorrelation(*lifter, job.datasets[0]), -0.95) << seed;
     const TrainingSplit split = MakeTrainingSplit(job.datasets, 0.0);
-    const PerspectiveSlope slope = MeasurePerspectiveSlope(lifter, split.training, 0, torch::kCPU);
+    const PerspectiveSlope slope = MeasurePerspectiveSlope(*lifter, split.training, 0, torch::kCPU);
     EXPECT_TRUE(slope.is_sure() && slope.is_mirrored()) << seed << ": " << slope.Describe();
   }
   // Which mirror training finds is chance; these seeds have both, so that both decisions are tried.
   EXPECT_GT(flipped, 0);
   EXPECT_LT(flipped, 3);
+}
+
+TEST(Train, WithACalibrationDepthsAreLearnedFromTriangulatedPoses) {
+  const TemporaryFolder folder;
+  TrainJob job = Job(folder, "run", "epipolar");
+  job.datasets = {CalibratedRing(120, 3)};
+  for (CameraView& view : job.datasets[0].sequences[0].cameras) view.truth.clear();
+  job.options.width = 32;
+  job.options.epochs = 150;
+  job.options.learning_rate = 2e-3;
+  const TrainReport report = Train(job);
+  EXPECT_EQ(report.model.mirror.decision, "known from the calibration");
+  const auto lifter = MakeLifter(ReadModelFile(job.run_folder), "model.cpm", torch::kCPU);
+  EXPECT_GT(DepthCorrelation(*lifter, CalibratedRing(60, 3)), 0.9);
+
+  job = Job(folder, "bare", "epipolar");
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("--calibration"));
 }
 
 TEST(Train, WithTruthDepthsAreLearnedTheRightWayRound) {
@@ -239,8 +290,8 @@ TEST(Train, WithTruthDepthsAreLearnedTheRightWayRound) {
   const TrainReport report = Train(job);
   EXPECT_EQ(report.model.mirror.decision, "known from the truth");
   EXPECT_EQ(report.model.trap.verdict, "");
-  Lifter lifter = MakeLifter(ReadModelFile(job.run_folder), "model.cpm", torch::kCPU);
-  EXPECT_GT(DepthCorrelation(lifter, PuppetShow(120, 2, /*seed=*/2)), 0.9);
+  const auto lifter = MakeLifter(ReadModelFile(job.run_folder), "model.cpm", torch::kCPU);
+  EXPECT_GT(DepthCorrelation(*lifter, PuppetShow(120, 2, /*seed=*/2)), 0.9);
 
   // One camera is enough where the truth is known.
   job.datasets = {PuppetShow(40, 1)};
@@ -324,8 +375,8 @@ TEST(Train, MirrorByRequestIsTheExactMirror) {
   flip.options.mirror = "flip";
   EXPECT_EQ(Train(keep).model.mirror.decision, "kept by request");
   EXPECT_EQ(Train(flip).model.mirror.decision, "flipped by request");
-  Lifter kept = MakeLifter(ReadModelFile(folder / "keep"), "", torch::kCPU);
-  const Lifter flipped = MakeLifter(ReadModelFile(folder / "flip"), "", torch::kCPU);
+  const auto kept = MakeLifter(ReadModelFile(folder / "keep"), "", torch::kCPU);
+  const auto flipped = MakeLifter(ReadModelFile(folder / "flip"), "", torch::kCPU);
   kept->Mirror();
   for (const auto& item : kept->named_parameters()) {
     EXPECT_TRUE(torch::equal(item.value(), flipped->named_parameters()[item.key()])) << item.key();

@@ -148,7 +148,7 @@ void MakeWeights(std::vector<float>& uncertainties) {
 
 TrainingTarget TargetNamed(const std::string& supervision) {
   if (supervision == "truth") return TrainingTarget::kTruth;
-  return supervision == "solved" ? TrainingTarget::kSolved : TrainingTarget::kViews;
+  return supervision == "solved" || supervision == "triangulated" ? TrainingTarget::kSolved : TrainingTarget::kViews;
 }
 
 const std::vector<float>& TargetPoses(const CameraView& view, TrainingTarget target) {

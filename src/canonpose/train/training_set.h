@@ -73,10 +73,10 @@ struct TrainingSplit {
 enum class TrainingTarget {
   kViews,   ///< other views: frames seen by two cameras or more
   kTruth,   ///< the true 3D poses: views whose truth has the root and at least half of the joints
-  kSolved,  ///< likewise the 3D poses that `solve` found
+  kSolved,  ///< likewise the 3D poses that `solve` found, or that LearnFromTriangulation() put in their place
 };
 
-/// Of "none", "truth" or "solved", as the option `supervision` has it.
+/// Of "none", "truth", "solved" or "triangulated", as the option `supervision` has it.
 TrainingTarget TargetNamed(const std::string& supervision);
 
 /// The poses of a view that are to be learnt, (T, J, 3), and the cameras that belong to them; empty where there are

@@ -40,9 +40,9 @@ double AngleDegrees(const Eigen::Matrix3d& rotation) {
 }
 
 /// Adds what the lifter makes of a chunk of frames.
-void AddChunk(Lifter& lifter, const TrainingSet& set, const std::vector<const TrainingFrame*>& frames, int root,
+void AddChunk(LiftingNetwork& lifter, const TrainingSet& set, const std::vector<const TrainingFrame*>& frames, int root,
               torch::Device device, TrapStatistics& statistics) {
-  const LifterOutput output = lifter->forward(LifterInput(GatherBatch(set, frames, device)));
+  const LifterOutput output = lifter.forward(LifterInput(GatherBatch(set, frames, device)));
   torch::Tensor pose = torch::bmm(output.rotation, output.pose);
   pose = (pose - pose.narrow(2, root, 1)).to(torch::kCPU, torch::kFloat64).contiguous();         // (R, 3, J)
   const torch::Tensor rotation = output.rotation.to(torch::kCPU, torch::kFloat64).contiguous();  // (R, 3, 3)
@@ -152,7 +152,7 @@ TrapSigns TrapStatistics::Finish() const {
   return signs;
 }
 
-TrapSigns MeasureTrapSigns(Lifter& lifter, const TrainingSet& set, int root, torch::Device device) {
+TrapSigns MeasureTrapSigns(LiftingNetwork& lifter, const TrainingSet& set, int root, torch::Device device) {
   const torch::NoGradGuard no_grad;
   // Whole clips, so that consecutive frames stay together.
   const int stride = static_cast<int>(set.frames.size() / kFramesWanted) + 1;

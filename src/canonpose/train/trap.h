@@ -67,7 +67,7 @@ class TrapStatistics {
 };
 
 /// The signs of a lifter on every n-th clip of a training set.
-TrapSigns MeasureTrapSigns(Lifter& lifter, const TrainingSet& set, int root, torch::Device device);
+TrapSigns MeasureTrapSigns(LiftingNetwork& lifter, const TrainingSet& set, int root, torch::Device device);
 
 /// Tells the user, with what to do about it for a lifter of that input, and gives what the model file records.
 TrapFinding ReportTrap(const TrapSigns& signs, const InputForm& input = {});

@@ -148,13 +148,13 @@ INSTANTIATE_TEST_SUITE_P(MeasureTrapSigns, TrapOfForm, ::testing::Values(Rotatio
 TEST_P(TrapOfForm, ReadsALifterOfKnownDepth) {
   for (const int frames : {1, 60, 5000}) {
     Lifter lifter = ConstantLifter(1.7, 0.0, GetParam());
-    const TrapSigns signs = MeasureTrapSigns(lifter, AnyViews(frames), 0, torch::kCPU);
+    const TrapSigns signs = MeasureTrapSigns(*lifter, AnyViews(frames), 0, torch::kCPU);
     EXPECT_NEAR(signs.depth_ratio, 1.7, 1e-5) << frames;
     EXPECT_NEAR(signs.angle_deg, 0.0, 1e-3) << frames;
   }
   // Turned by 90 degrees, width and depth change places.
   Lifter turned = ConstantLifter(1.7, 90.0, GetParam());
-  EXPECT_NEAR(MeasureTrapSigns(turned, AnyViews(60), 0, torch::kCPU).depth_ratio, 1.0 / 1.7, 1e-5);
+  EXPECT_NEAR(MeasureTrapSigns(*turned, AnyViews(60), 0, torch::kCPU).depth_ratio, 1.0 / 1.7, 1e-5);
 }
 
 TEST(MeasureTrapSigns, AsksForTheRotationsOfCamerasThatAreNotTurnedOntoThePerson) {
@@ -167,7 +167,7 @@ TEST(MeasureTrapSigns, AsksForTheRotationsOfCamerasThatAreNotTurnedOntoThePerson
         TurnAbout(Eigen::Vector3d::UnitY(), n % 2 == 0 ? 20.0 : 40.0).transpose().cast<float>());
   }
   Lifter lifter = ConstantLifter(1.7, 0.0);
-  const TrapSigns signs = MeasureTrapSigns(lifter, set, 0, torch::kCPU);
+  const TrapSigns signs = MeasureTrapSigns(*lifter, set, 0, torch::kCPU);
   EXPECT_NEAR(signs.angle_deg, 40.0, 1e-3);  // of 20 and 40, the upper middle one
   EXPECT_NEAR(signs.scatter_deg, 10.0, 1e-3);
   EXPECT_NEAR(signs.depth_ratio, 1.7, 1e-5);

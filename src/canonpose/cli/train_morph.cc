@@ -1,0 +1,100 @@
+// canonpose train-morph data.h5... [--exact exact.h5...] -o RUN
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "canonpose/base/error.h"
+#include "canonpose/base/log.h"
+#include "canonpose/cli/commands.h"
+#include "canonpose/data/dataset.h"
+#include "canonpose/train/morph_trainer.h"
+
+namespace canonpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::vector<fs::path> detected;
+  std::vector<fs::path> exact;
+  fs::path run_folder;
+  MorphOptions options;
+  bool resume = false;
+  bool overwrite = false;
+};
+
+MorphJob MakeJob(const Arguments& arguments) {
+  if (!arguments.exact.empty() && arguments.exact.size() != arguments.detected.size()) {
+    ThrowUsage("--exact: give one file for each of the {} datasets, found {}", arguments.detected.size(),
+               arguments.exact.size());
+  }
+  MorphJob job;
+  job.options = arguments.options;
+  job.run_folder = arguments.run_folder;
+  job.resume = arguments.resume;
+  job.overwrite = arguments.overwrite;
+  for (std::size_t i = 0; i < arguments.detected.size(); ++i) {
+    const std::string file = arguments.detected[i].string();
+    const Dataset detected = ReadDataset(arguments.detected[i]);
+    if (i == 0) {
+      job.skeleton = detected.skeleton;
+      job.source = detected.source;
+    }
+    if (!job.skeleton.SameJoints(detected.skeleton)) {
+      ThrowBadInput({file, "/skeleton", fmt::format("the joints of {}", arguments.detected.front().string()), "others",
+                     "import all data onto the same skeleton"});
+    }
+    job.data_files.push_back(arguments.detected[i].filename().string());
+    job.data_fingerprints.push_back(fmt::format("{:016x}", detected.Fingerprint()));
+    if (arguments.exact.empty()) {
+      AddPairsOfTruth(detected, file, job.pairs);
+      continue;
+    }
+    const Dataset exact = ReadDataset(arguments.exact[i]);
+    AddPairsOfDatasets(detected, file, exact, arguments.exact[i].string(), job.pairs);
+    job.data_fingerprints.back() += fmt::format("-{:016x}", exact.Fingerprint());
+  }
+  return job;
+}
+
+void RunTrainMorph(const Arguments& arguments) {
+  const MorphJob job = MakeJob(arguments);
+  LogInfo("{} pairs of detected and true 2D poses", job.pairs.count());
+  const MorphReport report = TrainMorph(job);
+  if (report.interrupted_by != 0) {
+    LogInfo("stopped and saved; to go on, run the same command with --resume");
+    throw CLI::RuntimeError(128 + report.interrupted_by);
+  }
+  LogInfo("joints of held-out poses are off by {:.2f} % of the pose's size, {:.2f} % before; the model is {}",
+          report.after_percent, report.before_percent, (job.run_folder / "model.cpm").string());
+}
+
+}  // namespace
+
+void AddTrainMorphCommand(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  MorphOptions& options = arguments->options;
+  CLI::App* command = app.add_subcommand(
+      "train-morph", "Train a network that moves a detector's 2D joints to where another skeleton has them");
+  command->add_option("data", arguments->detected, "Datasets with the detector's keypoints")->required();
+  command->add_option("-o,--output", arguments->run_folder, "Folder for the model, checkpoint and log")->required();
+  command->add_option("--exact", arguments->exact,
+                      "The same recordings with true keypoints, one file for each (default: the truth of the datasets "
+                      "themselves, seen by their calibrated cameras)");
+  command->add_option("--epochs", options.epochs, "Times to go through the poses")->capture_default_str();
+  command->add_option("--width", options.width, "Width of the network's layers")->capture_default_str();
+  command->add_option("--batch-poses", options.batch_poses, "Poses a step")->capture_default_str();
+  command->add_option("--learning-rate", options.learning_rate, "At the start")->capture_default_str();
+  command->add_option("--validation", options.validation, "Share of the poses that is held out")->capture_default_str();
+  command->add_option("--seed", options.seed, "Seed of all randomness")->capture_default_str();
+  command->add_option("--threads", options.threads, "Number of threads (default: all)");
+  command->add_option("--device", options.device, "cpu or cuda")->capture_default_str();
+  command->add_flag("--resume", arguments->resume, "Go on with the run in the output folder where there is one");
+  command->add_flag("--overwrite", arguments->overwrite, "Replace the run in the output folder");
+  command->callback([arguments] { RunTrainMorph(*arguments); });
+}
+
+}  // namespace canonpose

@@ -1,0 +1,15 @@
+// Some of the cameras of a dataset.
+#pragma once
+
+#include <string>
+
+#include "canonpose/data/dataset.h"
+
+namespace canonpose {
+
+/// Cuts every sequence down to the cameras of `choice`: "A,B" by name, or a number N for the first N of each sequence
+/// (unless a camera has that name). Sequences without any disappear. Throws Error(kUsage) where it is no choice,
+/// Error(kBadInput) naming `file` where a camera is in no sequence, or a sequence has fewer than N.
+void KeepCameras(Dataset& dataset, const std::string& choice, const std::string& file);
+
+}  // namespace canonpose

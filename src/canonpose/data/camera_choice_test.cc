@@ -1,0 +1,55 @@
+#include "canonpose/data/camera_choice.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "canonpose/base/testing.h"
+
+namespace canonpose {
+namespace {
+
+using canonpose::testing::ErrorOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+Dataset TwoSequences() {
+  Dataset dataset;
+  for (const std::vector<std::string>& names : {std::vector<std::string>{"left", "right", "3"}, {"left", "back"}}) {
+    Sequence sequence;
+    sequence.name = "clip" + std::to_string(dataset.sequences.size());
+    for (const std::string& name : names) {
+      sequence.cameras.emplace_back();
+      sequence.cameras.back().name = name;
+    }
+    dataset.sequences.push_back(sequence);
+  }
+  return dataset;
+}
+
+std::vector<std::string> NamesAfter(const std::string& choice, std::size_t sequence) {
+  Dataset dataset = TwoSequences();
+  KeepCameras(dataset, choice, "data.h5");
+  std::vector<std::string> names;
+  for (const CameraView& view : dataset.sequences.at(sequence).cameras) names.push_back(view.name);
+  return names;
+}
+
+TEST(KeepCameras, TakesNamesOrANumber) {
+  EXPECT_THAT(NamesAfter("2", 0), ElementsAre("left", "right"));
+  EXPECT_THAT(NamesAfter("2", 1), ElementsAre("left", "back"));
+  EXPECT_THAT(NamesAfter("back,left", 0), ElementsAre("left"));
+  EXPECT_THAT(NamesAfter("back,left", 1), ElementsAre("left", "back"));
+  // A camera of that name comes first; sequences without it go.
+  EXPECT_THAT(NamesAfter("3", 0), ElementsAre("3"));
+}
+
+TEST(KeepCameras, RefusesWhatIsNotThere) {
+  Dataset dataset = TwoSequences();
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { KeepCameras(dataset, "front", "data.h5"); }),
+              HasSubstr("back, left, right"));
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { KeepCameras(dataset, "4", "data.h5"); }), HasSubstr("4 cameras"));
+  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { KeepCameras(dataset, "left,", "data.h5"); }), HasSubstr("by name"));
+}
+
+}  // namespace
+}  // namespace canonpose

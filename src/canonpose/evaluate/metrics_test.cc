@@ -70,7 +70,7 @@ TEST(MetricsTest, PckAucAndCpsByHand) {
   EXPECT_EQ(mean.poses, 2);
   EXPECT_DOUBLE_EQ(mean.n_mpjpe_mm, 311.0 / 4.0);
   EXPECT_DOUBLE_EQ(mean.p_mpjpe_mm, 470.0 / 8.0);
-  EXPECT_DOUBLE_EQ(mean.pck150_percent, 75.0) << "150 mm off is not below 150 mm";
+  EXPECT_DOUBLE_EQ(mean.pck_percent, 75.0) << "150 mm off is not below 150 mm";
   // Of the thresholds 0, 5, ..., 150: 0 lies below 30, 150 below none, 149 below one, 12 below 28 (15 to 150).
   EXPECT_DOUBLE_EQ(mean.auc_percent, 100.0 * (30 + 0 + 1 + 28) / (4 * 31));
   EXPECT_DOUBLE_EQ(mean.cps, (200.0 + 0.0) / 2.0);

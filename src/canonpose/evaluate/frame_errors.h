@@ -23,6 +23,9 @@ class FrameErrors {
   /// Throws Error(kUsage) where `path` ends in neither .csv nor .npz.
   static void RequireFormat(const std::filesystem::path& path);
 
+  /// How many poses there are.
+  [[nodiscard]] std::size_t size() const { return rows_.size(); }
+
   /// A pose whose outcome is kEvaluated.
   void Add(const PoseSource& source, const PoseErrors& errors, bool mirrored);
 

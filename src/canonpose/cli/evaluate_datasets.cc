@@ -43,6 +43,7 @@ class Run {
   ReferenceSummary reference_;
   CameraComparison cameras_;
   std::int64_t left_out_sequences_ = 0;
+  std::int64_t sequences_too_short_ = 0;
   std::vector<std::string> left_out_subjects_;
   long views_done_ = 0;
 };
@@ -59,6 +60,7 @@ void Run::Add(const fs::path& file) {
   if (job_.frames) KeepFrames(dataset, *job_.frames, file.string());
   const Selection selection = SelectPoses(dataset, job_.protocol, job_.frames ? job_.frames->first : 0);
   left_out_sequences_ += selection.left_out_sequences;
+  sequences_too_short_ += selection.sequences_too_short;
   left_out_subjects_.insert(left_out_subjects_.end(), selection.left_out_subjects.begin(),
                             selection.left_out_subjects.end());
   if (dataset.sequences.empty()) return;
@@ -119,17 +121,17 @@ void Run::AddCanonical(const std::vector<std::vector<float>>& canonical,
 void Run::ThrowNothingLeft() const {
   const Protocol& protocol = job_.protocol;
   const std::string file = job_.files.front().string();
+  if (sequences_too_short_ > 0) {
+    ThrowBadInput({file, "", fmt::format("{}, as {} evaluates", PosesInWords(protocol), protocol.name), "none of them",
+                   "choose --frames that hold some"});
+  }
   std::vector<std::string> subjects = left_out_subjects_;
   std::sort(subjects.begin(), subjects.end());
   subjects.erase(std::unique(subjects.begin(), subjects.end()), subjects.end());
-  if (!subjects.empty()) {
-    ThrowBadInput({file, "",
-                   fmt::format("subjects {}, whom {} evaluates", fmt::join(protocol.subjects, " and "), protocol.name),
-                   fmt::format("{}", fmt::join(subjects, ", ")),
-                   fmt::format("give the data of these subjects, or --protocol {}", kAllFrames)});
-  }
-  ThrowBadInput({file, "", fmt::format("{}, as {} evaluates", PosesInWords(protocol), protocol.name), "none of them",
-                 "choose --frames that hold some"});
+  ThrowBadInput({file, "",
+                 fmt::format("subjects {}, whom {} evaluates", fmt::join(protocol.subjects, " and "), protocol.name),
+                 subjects.empty() ? "no sequences" : fmt::format("{}", fmt::join(subjects, ", ")),
+                 fmt::format("give the data of these subjects, or --protocol {}", kAllFrames)});
 }
 
 EvaluationReport Run::Finish() {

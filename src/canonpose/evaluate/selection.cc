@@ -50,7 +50,8 @@ Selection SelectPoses(Dataset& dataset, const Protocol& protocol, int first_fram
   selection.frame_step = protocol.frame_step;
   if (first == first_frame && protocol.frame_step == 1) return selection;
   for (Sequence& sequence : dataset.sequences) KeepFrames(sequence, first - first_frame, protocol.frame_step);
-  std::erase_if(dataset.sequences, [](const Sequence& sequence) { return sequence.frame_count == 0; });
+  selection.sequences_too_short = static_cast<std::int64_t>(
+      std::erase_if(dataset.sequences, [](const Sequence& sequence) { return sequence.frame_count == 0; }));
   return selection;
 }
 

@@ -16,6 +16,7 @@ struct Selection {
   std::int64_t frame_step = 1;
   std::int64_t left_out_sequences = 0;
   std::vector<std::string> left_out_subjects;  ///< whose they were, each once
+  std::int64_t sequences_too_short = 0;        ///< those of the right subjects without any frame to evaluate
 
   /// The number of a selected frame in its file, counted from 0.
   [[nodiscard]] std::int64_t FrameNumber(std::size_t index) const {

@@ -60,7 +60,7 @@ TEST(SelectionTest, FramesCountFromTheFilesFirst) {
   EXPECT_EQ(selection.FrameNumber(1), 12);
 
   dataset.sequences = {Recorded("S11", 8, 4)};
-  SelectPoses(dataset, EveryFifthFrom(2), 8);
+  EXPECT_EQ(SelectPoses(dataset, EveryFifthFrom(2), 8).sequences_too_short, 1);
   EXPECT_TRUE(dataset.sequences.empty()) << "frame 12 is not there";
 }
 

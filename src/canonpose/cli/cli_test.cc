@@ -19,6 +19,7 @@
 #include "canonpose/base/hdf5.h"
 #include "canonpose/base/random.h"
 #include "canonpose/base/testing.h"
+#include "canonpose/cli/program_testing.h"
 #include "canonpose/data/dataset.h"
 
 namespace canonpose {
@@ -26,64 +27,15 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
+using testing::Execute;
+using testing::ExpectBadInput;
 using ::testing::HasSubstr;
+using testing::Outcome;
 using testing::Shared;
+using testing::Start;
 using testing::TemporaryFolder;
 using testing::TestData;
-
-struct Outcome {
-  int exit_code = -1;  ///< 128 + signal where it was killed
-  std::string output;
-  std::string errors;  ///< stderr
-  /// The last line of stderr: the message of a failure.
-  [[nodiscard]] std::string message() const {
-    const std::size_t end = errors.find_last_not_of('\n');
-    if (end == std::string::npos) return "";
-    const std::size_t begin = errors.rfind('\n', end);
-    return errors.substr(begin == std::string::npos ? 0 : begin + 1,
-                         end - (begin == std::string::npos ? 0 : begin + 1) + 1);
-  }
-};
-
-pid_t Start(const std::vector<std::string>& arguments, const fs::path& output, const fs::path& errors) {
-  const pid_t child = fork();
-  if (child != 0) return child;
-  std::vector<char*> pointers;
-  std::string program = CANONPOSE_PROGRAM;
-  pointers.push_back(program.data());
-  std::vector<std::string> copies = arguments;
-  for (std::string& argument : copies) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
-  const int out = open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-  const int err = open(errors.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-  dup2(out, STDOUT_FILENO);
-  dup2(err, STDERR_FILENO);
-  execv(program.c_str(), pointers.data());
-  _exit(127);
-}
-
-int Wait(pid_t child) {
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-
-Outcome Execute(const std::vector<std::string>& arguments) {
-  const TemporaryFolder folder;
-  const pid_t child = Start(arguments, folder / "out", folder / "err");
-  Outcome outcome;
-  outcome.exit_code = Wait(child);
-  outcome.output = ReadFile(folder / "out");
-  outcome.errors = ReadFile(folder / "err");
-  return outcome;
-}
-
-/// Exit code 3 and one line of the form "error: FILE: ...".
-void ExpectBadInput(const std::vector<std::string>& arguments, const ::testing::Matcher<std::string>& matcher) {
-  const Outcome outcome = Execute(arguments);
-  EXPECT_EQ(outcome.exit_code, 3) << outcome.errors;
-  EXPECT_THAT(outcome.message(), AllOf(::testing::StartsWith("error: "), matcher));
-}
+using testing::Wait;
 
 /// A dataset of a random body that turns, with truth.
 void WriteData(const fs::path& path, int frames = 40, int joints = 5, std::int64_t version = 1) {

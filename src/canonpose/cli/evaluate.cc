@@ -1,22 +1,24 @@
 // canonpose evaluate RUN|model.cpm data.h5...
 // canonpose evaluate --predictions pred.npz --truth truth.npz
 // canonpose evaluate solved.h5
+// canonpose evaluate --triangulate data.h5
 #include <filesystem>
-#include <functional>
 #include <iostream>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
-#include "canonpose/base/progress.h"
+#include "canonpose/base/log.h"
 #include "canonpose/cli/commands.h"
+#include "canonpose/cli/evaluate_datasets.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/evaluate/archives.h"
-#include "canonpose/evaluate/reference.h"
 #include "canonpose/evaluate/report.h"
 #include "canonpose/lift/lifter.h"
 
@@ -30,125 +32,100 @@ struct Arguments {
   fs::path predictions;
   fs::path truth;
   fs::path json;
+  fs::path frame_errors;
   std::string protocol = kAllFrames;
   std::string frames;
   std::vector<std::string> left_out;
   std::optional<int> root;
+  bool triangulate = false;
+  bool canonical = false;
+  bool list_protocols = false;
   std::string device = "cpu";
   long seed = 0;
 };
 
-/// The poses (T, J, 3) predicted for a view, in its camera's frame; empty where there are none.
-using Predictor = std::function<std::vector<float>(const CameraView& view, int frame_count)>;
-
-FrameRange Frames(const Arguments& arguments) {
-  return arguments.frames.empty() ? FrameRange{} : FrameRange::Parse(arguments.frames);
+Predictor ModelPoses(const PoseLifter& lifter) {
+  return {[&](const Dataset& dataset, const std::string& file) { lifter.RequireSkeleton(dataset.skeleton, file); },
+          [&](const Sequence& sequence, std::size_t camera) {
+            LiftedPoses poses = lifter.Lift(sequence.cameras[camera], sequence.frame_count);
+            return PredictedPoses{std::move(poses.pose_in_camera), std::move(poses.canonical)};
+          }};
 }
 
-Dataset ReadFrames(const Arguments& arguments, const fs::path& path) {
-  Dataset dataset = ReadDataset(path);
-  if (!arguments.frames.empty()) KeepFrames(dataset, Frames(arguments), path.string());
-  return dataset;
+DatasetEvaluation Job(const Arguments& arguments, FrameErrors* frame_errors) {
+  DatasetEvaluation job;
+  job.files = arguments.paths;
+  job.protocol = FindProtocol(arguments.protocol);
+  if (!arguments.frames.empty()) job.frames = FrameRange::Parse(arguments.frames);
+  job.left_out = arguments.left_out;
+  job.canonical = arguments.canonical;
+  job.frame_errors = frame_errors;
+  return job;
 }
 
-/// Adds all views of a dataset that have reference poses. `prefix` stands before the names of its sequences.
-void EvaluateDataset(const Dataset& dataset, const ReferencePoses& reference, const std::string& prefix,
-                     const Predictor& predict, Evaluation& evaluation) {
-  long view_count = 0;
-  for (const Sequence& sequence : dataset.sequences) view_count += static_cast<long>(sequence.cameras.size());
-  Progress progress("evaluate", view_count);
-  long done = 0;
-  for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
-    const Sequence& sequence = dataset.sequences[s];
-    for (std::size_t c = 0; c < sequence.cameras.size(); ++c) {
-      progress.Update(done++, sequence.name + " " + sequence.cameras[c].name);
-      const std::vector<float>& truth = reference.sequences()[s].poses_in_camera[c];
-      if (truth.empty()) continue;
-      std::vector<float> predicted = predict(sequence.cameras[c], sequence.frame_count);
-      if (predicted.empty()) predicted.assign(truth.size(), std::numeric_limits<float>::quiet_NaN());
-      evaluation.AddAll(prefix + sequence.name, predicted, truth);
-    }
+EvaluationReport EvaluateArchivePair(const Arguments& arguments, FrameErrors* frame_errors) {
+  if (arguments.predictions.empty() || arguments.truth.empty()) ThrowUsage("--predictions and --truth go together");
+  if (!arguments.paths.empty()) ThrowUsage("give either --predictions and --truth, or a model and data");
+  if (arguments.triangulate) ThrowUsage("--triangulate is for datasets");
+  if (arguments.canonical) ThrowUsage("--canonical is for a model: poses alone do not tell their canonical form");
+  const Protocol& protocol = FindProtocol(arguments.protocol);
+  if (protocol.name != kAllFrames) {
+    ThrowUsage("--protocol {}: archives of poses name neither subjects nor sequences, so that only {} makes sense",
+               protocol.name, kAllFrames);
   }
+  const FrameRange frames = arguments.frames.empty() ? FrameRange{} : FrameRange::Parse(arguments.frames);
+  return EvaluateArchives(arguments.predictions, arguments.truth,
+                          {arguments.root, arguments.left_out, frames, frame_errors});
 }
 
-/// Evaluates datasets of the same joints one after the other. `check` throws where one does not suit; `with_cameras`:
-/// solved cameras are compared, too.
-EvaluationReport EvaluateDatasets(const Arguments& arguments, const std::vector<fs::path>& files,
-                                  const std::function<void(const Dataset&, const fs::path&)>& check,
-                                  const Predictor& predict, bool with_cameras) {
-  std::optional<Evaluation> evaluation;
-  Skeleton skeleton;
-  ReferenceSummary summary;
-  CameraComparison cameras;
-  for (const fs::path& file : files) {
-    const Dataset dataset = ReadFrames(arguments, file);
-    check(dataset, file);
-    if (!evaluation) {
-      skeleton = dataset.skeleton;
-      evaluation.emplace(skeleton.joints, skeleton.root, arguments.left_out);
-    }
-    if (!skeleton.SameJoints(dataset.skeleton)) {
-      ThrowBadInput({file.string(), "/skeleton", "the joints of " + files.front().string(), "others",
-                     "evaluate files with different joints one by one"});
-    }
-    const ReferencePoses reference(dataset, file.string());
-    summary.Add(reference);
-    if (with_cameras) cameras.Add(dataset);
-    EvaluateDataset(dataset, reference, files.size() > 1 ? file.stem().string() + "/" : "", predict, *evaluation);
-  }
-  EvaluationReport report = evaluation->Finish(summary.Kind(), files.front().string());
-  report.cameras = cameras.Medians();
-  return report;
-}
-
-EvaluationReport EvaluateModel(const Arguments& arguments) {
-  const PoseLifter lifter = PoseLifter::Open(arguments.paths.front(), arguments.device);
-  return EvaluateDatasets(
-      arguments, {arguments.paths.begin() + 1, arguments.paths.end()},
-      [&](const Dataset& dataset, const fs::path& file) { lifter.RequireSkeleton(dataset.skeleton, file.string()); },
-      [&](const CameraView& view, int frame_count) { return lifter.Lift(view, frame_count).pose_in_camera; },
-      /*with_cameras=*/false);
-}
-
-EvaluationReport EvaluateSolved(const Arguments& arguments) {
-  return EvaluateDatasets(
-      arguments, arguments.paths,
-      [](const Dataset& dataset, const fs::path& file) {
-        if (dataset.HasSolved()) return;
-        ThrowBadInput(
-            {file.string(), "", "solved poses, since no model was given", "none", "name a model before the data"});
-      },
-      [](const CameraView& view, int) { return view.solved; }, /*with_cameras=*/true);
-}
-
-EvaluationReport Evaluate(const Arguments& arguments) {
-  if (arguments.protocol != kAllFrames) {
-    ThrowUsage("--protocol {}: the only protocol is {}", arguments.protocol, kAllFrames);
-  }
-  const bool archives = !arguments.predictions.empty() || !arguments.truth.empty();
-  if (archives) {
-    if (arguments.predictions.empty() || arguments.truth.empty()) ThrowUsage("--predictions and --truth go together");
-    if (!arguments.paths.empty()) ThrowUsage("give either --predictions and --truth, or a model and data");
-    return EvaluateArchives(arguments.predictions, arguments.truth,
-                            {arguments.root, arguments.left_out, Frames(arguments)});
-  }
+EvaluationReport EvaluatePaths(const Arguments& arguments, FrameErrors* frame_errors) {
   if (arguments.paths.empty()) {
     ThrowUsage("give a model and datasets, or a solved dataset, or --predictions and --truth");
   }
   if (arguments.root) ThrowUsage("--root is for --predictions; a dataset names its root itself");
+  DatasetEvaluation job = Job(arguments, frame_errors);
   const fs::path& first = arguments.paths.front();
   if (!fs::exists(first)) {
     ThrowBadInput({first.string(), "", "a model, a run or a solved dataset", "nothing", "check the path"});
   }
-  if (IsDatasetFile(first)) return EvaluateSolved(arguments);
+  const bool is_data = IsDatasetFile(first);
+  if (arguments.canonical && (is_data || arguments.triangulate)) {
+    ThrowUsage("--canonical is for a model: name one before the data, without --triangulate");
+  }
+  if (arguments.triangulate) {
+    if (!is_data) ThrowUsage("--triangulate takes datasets alone, but {} is none", first.string());
+    return EvaluateDatasets(job, TriangulatedPoses());
+  }
+  if (is_data) {
+    job.with_cameras = true;
+    return EvaluateDatasets(job, SolvedPoses());
+  }
   if (arguments.paths.size() < 2) ThrowUsage("give the data to evaluate {} on", first.string());
-  return EvaluateModel(arguments);
+  job.files.erase(job.files.begin());
+  const PoseLifter lifter = PoseLifter::Open(first, arguments.device);
+  return EvaluateDatasets(job, ModelPoses(lifter));
 }
 
 void RunEvaluate(const Arguments& arguments) {
-  const EvaluationReport report = Evaluate(arguments);
+  if (arguments.list_protocols) {
+    std::cout << ProtocolList() << std::flush;
+    return;
+  }
+  if (!arguments.frame_errors.empty()) FrameErrors::RequireFormat(arguments.frame_errors);
+  FrameErrors frame_errors;
+  FrameErrors* wanted = arguments.frame_errors.empty() ? nullptr : &frame_errors;
+  const bool archives = !arguments.predictions.empty() || !arguments.truth.empty();
+  const EvaluationReport report = archives ? EvaluateArchivePair(arguments, wanted) : EvaluatePaths(arguments, wanted);
+  for (const std::string& warning : report.warnings) LogWarning("{}", warning);
+  if (wanted != nullptr) frame_errors.Write(arguments.frame_errors, report.all_joints);
   if (!arguments.json.empty()) WriteFileAtomically(arguments.json, ReportAsJson(report));
   std::cout << ReportAsTable(report) << std::flush;
+}
+
+std::string ProtocolHelp() {
+  std::vector<std::string> names;
+  for (const Protocol& protocol : Protocols()) names.push_back(protocol.name);
+  return fmt::format("Which poses are compared and how: {} (see --list-protocols)", fmt::join(names, ", "));
 }
 
 }  // namespace
@@ -161,8 +138,14 @@ void AddEvaluateCommand(CLI::App& app) {
   command->add_option("--predictions", arguments->predictions, "Archive (.npz) with pose3d (N, J, 3) in any unit");
   command->add_option("--truth", arguments->truth, "Archive (.npz) with pose3d (N, J, 3) in mm");
   command->add_option("--json", arguments->json, "Write the figures to this file, too");
-  command->add_option("--protocol", arguments->protocol, "Which poses are compared and how: all-frames")
-      ->capture_default_str();
+  command->add_option("--protocol", arguments->protocol, ProtocolHelp())->capture_default_str();
+  command->add_flag("--list-protocols", arguments->list_protocols, "Print all protocols in words");
+  command->add_flag("--triangulate", arguments->triangulate,
+                    "Evaluate the triangulation from all calibrated cameras of datasets with truth");
+  command->add_flag("--canonical", arguments->canonical,
+                    "Tell, too, how far a model's canonical poses of one frame's views, and of all frames, lie apart");
+  command->add_option("--frame-errors", arguments->frame_errors,
+                      "Write the errors of every single pose to this file: .csv, or .npz with those of joints, too");
   command->add_option("--frames", arguments->frames, "Evaluate frames A-B of each sequence only, counted from 0");
   command->add_option("--exclude-joints", arguments->left_out, "Leave these joints out: A,B")
       ->delimiter(',')

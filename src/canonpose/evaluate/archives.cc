@@ -7,6 +7,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/data/npz.h"
+#include "canonpose/evaluate/evaluation.h"
 #include "canonpose/skeleton/skeleton.h"
 
 namespace canonpose {
@@ -84,9 +85,11 @@ EvaluationReport EvaluateArchives(const fs::path& predictions, const fs::path& t
                    fmt::format("{}", true_poses.frame_count), "choose frames that are there"});
   }
   Evaluation evaluation(joints, RootOf(joints, options.root), options.left_out);
+  evaluation.KeepFrameErrors(options.frame_errors);
   const std::size_t row = 3 * joints.size();
   for (auto i = static_cast<std::size_t>(options.frames.first); i <= static_cast<std::size_t>(last); ++i) {
-    evaluation.Add(truth.stem().string(), &predicted.poses[i * row], &true_poses.poses[i * row]);
+    evaluation.Add({truth.stem().string(), "", static_cast<std::int64_t>(i)}, &predicted.poses[i * row],
+                   &true_poses.poses[i * row]);
   }
   return evaluation.Finish({"truth", {}}, predictions.string());
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "canonpose/data/dataset.h"
+#include "canonpose/evaluate/frame_errors.h"
 #include "canonpose/evaluate/report.h"
 
 namespace canonpose {
@@ -23,13 +24,14 @@ struct PoseArchive {
 PoseArchive ReadPoseArchive(const std::filesystem::path& path);
 
 struct ArchiveOptions {
-  std::optional<int> root;            ///< default: that of the built-in skeleton with these joints, otherwise 0
-  std::vector<std::string> left_out;  ///< joints by name, or by number where the archives do not name them
-  FrameRange frames;                  ///< rows of pose3d
+  std::optional<int> root;              ///< default: that of the built-in skeleton with these joints, otherwise 0
+  std::vector<std::string> left_out;    ///< joints by name, or by number where the archives do not name them
+  FrameRange frames;                    ///< rows of pose3d
+  FrameErrors* frame_errors = nullptr;  ///< filled where it is given
 };
 
-/// Predictions in any unit against truth in mm, row by row. Throws Error(kBadInput) where the two do not belong
-/// together.
+/// Predictions in any unit against truth in mm, row by row, by the protocol all-frames. Throws Error(kBadInput) where
+/// the two do not belong together.
 EvaluationReport EvaluateArchives(const std::filesystem::path& predictions, const std::filesystem::path& truth,
                                   const ArchiveOptions& options);
 

@@ -11,7 +11,6 @@ namespace canonpose {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kPckThresholdMm = 150.0;
 constexpr double kAucStepMm = 5.0;
 constexpr int kAucThresholds = 31;  // 0, 5, ..., 150
 constexpr double kCpsLimitMm = 300.0;
@@ -29,6 +28,21 @@ double AreaOf(double error_mm) {
   int below = 0;
   for (int i = 0; i < kAucThresholds; ++i) below += error_mm < kAucStepMm * i ? 1 : 0;
   return static_cast<double>(below) / kAucThresholds;
+}
+
+/// Counts an error at the first of the thresholds 1, 2, ... that it is below.
+void CountFrom(double error_mm, std::array<std::int64_t, kCurveThresholds>& histogram) {
+  if (error_mm < kCurveThresholds) ++histogram[static_cast<std::size_t>(error_mm)];
+}
+
+std::vector<double> CurveOf(const std::array<std::int64_t, kCurveThresholds>& histogram, double count) {
+  std::vector<double> curve;
+  std::int64_t below = 0;
+  for (const std::int64_t first : histogram) {
+    below += first;
+    curve.push_back(100.0 * static_cast<double>(below) / count);
+  }
+  return curve;
 }
 
 }  // namespace
@@ -58,7 +72,8 @@ PoseErrors ComparePoses(const float* predicted, const float* truth, const Metric
     P.row(i) = Point(predicted, j) - Point(predicted, root);
     G.row(i) = Point(truth, j) - Point(truth, root);
   }
-  const Eigen::VectorXd scaled = (LeastSquaresScale(P, G) * P - G).rowwise().norm();
+  errors.scale = LeastSquaresScale(P, G);
+  const Eigen::VectorXd scaled = (errors.scale * P - G).rowwise().norm();
   const Eigen::VectorXd aligned = (AlignSimilarity(P, G).Apply(P) - G).rowwise().norm();
   errors.outcome = PoseOutcome::kEvaluated;
   errors.scaled_mm.assign(joint_count, kNaN);
@@ -102,27 +117,96 @@ DepthSquares CompareDepths(const float* predicted, const float* truth, const Met
   return depths;
 }
 
+PoseMeans MeansOf(const PoseErrors& errors) {
+  CANONPOSE_CHECK(errors.outcome == PoseOutcome::kEvaluated, "only evaluated poses have means");
+  PoseMeans means;
+  int count = 0;
+  for (std::size_t j = 0; j < errors.scaled_mm.size(); ++j) {
+    if (std::isnan(errors.scaled_mm[j])) continue;
+    ++count;
+    means.n_mpjpe_mm += errors.scaled_mm[j];
+    means.p_mpjpe_mm += errors.aligned_mm[j];
+    means.largest_aligned_mm = std::max(means.largest_aligned_mm, errors.aligned_mm[j]);
+  }
+  means.n_mpjpe_mm /= count;
+  means.p_mpjpe_mm /= count;
+  return means;
+}
+
 void MetricSum::Add(const PoseErrors& errors) {
   CANONPOSE_CHECK(errors.outcome == PoseOutcome::kEvaluated, "only evaluated poses are summed up");
+  joints_.resize(errors.scaled_mm.size());
   double largest_mm = 0.0;
   for (std::size_t j = 0; j < errors.scaled_mm.size(); ++j) {
     if (std::isnan(errors.scaled_mm[j])) continue;
-    ++joints_;
-    scaled_mm_ += errors.scaled_mm[j];
-    aligned_mm_ += errors.aligned_mm[j];
-    correct150_ += errors.scaled_mm[j] < kPckThresholdMm ? 1.0 : 0.0;
-    area_ += AreaOf(errors.scaled_mm[j]);
+    joints_[j].scaled_mm += errors.scaled_mm[j];
+    joints_[j].aligned_mm += errors.aligned_mm[j];
+    ++joints_[j].count;
     largest_mm = std::max(largest_mm, errors.aligned_mm[j]);
+    if (!pck_.counted.empty() && !pck_.counted[j]) continue;
+    ++counted_joints_;
+    correct_ += errors.scaled_mm[j] < pck_.threshold_mm ? 1.0 : 0.0;
+    area_ += AreaOf(errors.scaled_mm[j]);
+    CountFrom(errors.scaled_mm[j], first_correct_joints_);
   }
   ++poses_;
   cps_ += std::max(0.0, kCpsLimitMm - largest_mm);
+  CountFrom(largest_mm, first_correct_poses_);
 }
 
 Metrics MetricSum::Mean() const {
-  const double joints = joints_ > 0 ? static_cast<double>(joints_) : kNaN;
+  JointSum all;
+  Metrics mean;
+  mean.poses = poses_;
+  for (const JointSum& joint : joints_) {
+    const double count = joint.count > 0 ? static_cast<double>(joint.count) : kNaN;
+    mean.joints.push_back({joint.scaled_mm / count, joint.aligned_mm / count});
+    all.scaled_mm += joint.scaled_mm;
+    all.aligned_mm += joint.aligned_mm;
+    all.count += joint.count;
+  }
+  const double joints = all.count > 0 ? static_cast<double>(all.count) : kNaN;
+  const double counted = counted_joints_ > 0 ? static_cast<double>(counted_joints_) : kNaN;
   const double poses = poses_ > 0 ? static_cast<double>(poses_) : kNaN;
-  return {poses_,      scaled_mm_ / joints, aligned_mm_ / joints, 100.0 * correct150_ / joints, 100.0 * area_ / joints,
-          cps_ / poses};
+  mean.n_mpjpe_mm = all.scaled_mm / joints;
+  mean.p_mpjpe_mm = all.aligned_mm / joints;
+  mean.pck_percent = 100.0 * correct_ / counted;
+  mean.auc_percent = 100.0 * area_ / counted;
+  mean.cps = cps_ / poses;
+  mean.pck_curve_percent = CurveOf(first_correct_joints_, counted);
+  mean.cps_curve_percent = CurveOf(first_correct_poses_, poses);
+  return mean;
+}
+
+Metrics AverageOf(const std::vector<Metrics>& groups) {
+  CANONPOSE_CHECK(!groups.empty(), "nothing to average");
+  const auto over = [&](const auto& value_of) {
+    double sum = 0.0;
+    int count = 0;
+    for (const Metrics& group : groups) {
+      const double value = value_of(group);
+      if (std::isnan(value)) continue;
+      sum += value;
+      ++count;
+    }
+    return count > 0 ? sum / count : kNaN;
+  };
+  Metrics mean;
+  for (const Metrics& group : groups) mean.poses += group.poses;
+  mean.n_mpjpe_mm = over([](const Metrics& group) { return group.n_mpjpe_mm; });
+  mean.p_mpjpe_mm = over([](const Metrics& group) { return group.p_mpjpe_mm; });
+  mean.pck_percent = over([](const Metrics& group) { return group.pck_percent; });
+  mean.auc_percent = over([](const Metrics& group) { return group.auc_percent; });
+  mean.cps = over([](const Metrics& group) { return group.cps; });
+  for (std::size_t i = 0; i < static_cast<std::size_t>(kCurveThresholds); ++i) {
+    mean.pck_curve_percent.push_back(over([i](const Metrics& group) { return group.pck_curve_percent[i]; }));
+    mean.cps_curve_percent.push_back(over([i](const Metrics& group) { return group.cps_curve_percent[i]; }));
+  }
+  for (std::size_t j = 0; j < groups.front().joints.size(); ++j) {
+    mean.joints.push_back({over([j](const Metrics& group) { return group.joints[j].n_mpjpe_mm; }),
+                           over([j](const Metrics& group) { return group.joints[j].p_mpjpe_mm; })});
+  }
+  return mean;
 }
 
 }  // namespace canonpose

@@ -4,7 +4,8 @@
 //   least-squares
 //            factor <P, G> / <P, P> (Rhodin et al. 2018)
 //   PMPJPE   mean distance after the best similarity without reflection, so that a mirrored pose scores badly
-//   PCK150   share of joints less than 150 mm off after the scale adjustment of N-MPJPE
+//   PCK150   share of joints less than 150 mm off after the scale adjustment of N-MPJPE (a protocol may count some
+//            joints only)
 //   AUC      mean of PCK over the thresholds 0, 5, ..., 150 mm, as in the evaluation script of MPI-INF-3DHP
 //   CPS      area under the share of poses whose largest joint error after similarity alignment is below a threshold of
 //   0 to
@@ -13,7 +14,9 @@
 // The first four are means over all joints of all poses, the root included; CPS is a mean over poses.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace canonpose {
@@ -37,6 +40,7 @@ enum class PoseOutcome {
 /// Distances of the joints of one pose; NaN for joints that are left out or unknown.
 struct PoseErrors {
   PoseOutcome outcome = PoseOutcome::kTruthUnusable;
+  double scale = 0.0;              ///< what the predicted pose was multiplied by for scaled_mm
   std::vector<double> scaled_mm;   ///< (J) after root-centring and scale adjustment
   std::vector<double> aligned_mm;  ///< (J) after similarity alignment
 };
@@ -63,31 +67,71 @@ struct DepthSquares {
 /// kEvaluated.
 DepthSquares CompareDepths(const float* predicted, const float* truth, const MetricJoints& joints);
 
+/// The mean of each error over the known joints of a pose, and the largest aligned one. To be asked for poses whose
+/// outcome is kEvaluated.
+struct PoseMeans {
+  double n_mpjpe_mm = 0.0;
+  double p_mpjpe_mm = 0.0;
+  double largest_aligned_mm = 0.0;
+};
+PoseMeans MeansOf(const PoseErrors& errors);
+
+struct MeanErrors {
+  double n_mpjpe_mm = 0.0;
+  double p_mpjpe_mm = 0.0;
+};
+
+/// Of curves: thresholds of 1, 2, ..., 300 mm.
+inline constexpr int kCurveThresholds = 300;
+
 /// Means over poses and joints; NaN where nothing was added.
 struct Metrics {
   std::int64_t poses = 0;
   double n_mpjpe_mm = 0.0;
   double p_mpjpe_mm = 0.0;
-  double pck150_percent = 0.0;
+  double pck_percent = 0.0;
   double auc_percent = 0.0;
   double cps = 0.0;
+  std::vector<double> pck_curve_percent;  ///< (300) joints less than so far off after the scale adjustment
+  std::vector<double> cps_curve_percent;  ///< (300) poses whose largest joint error after alignment is less than that
+  std::vector<MeanErrors> joints;         ///< (J) NaN for joints never known
+};
+
+/// The mean of several, each counting the same; of a joint over those that know it. `poses` is their sum.
+Metrics AverageOf(const std::vector<Metrics>& groups);
+
+/// Which joints PCK and AUC count, and from where on they are wrong.
+struct PckJoints {
+  double threshold_mm = 150.0;
+  std::vector<bool> counted;  ///< (J) empty: all that take part
 };
 
 /// Sums up the errors of many poses; nothing is kept of a single one.
 class MetricSum {
  public:
-  /// Takes poses whose outcome is kEvaluated.
+  explicit MetricSum(PckJoints pck = {}) : pck_(std::move(pck)) {}
+  /// Takes poses whose outcome is kEvaluated, all of the same number of joints.
   void Add(const PoseErrors& errors);
   [[nodiscard]] Metrics Mean() const;
 
  private:
+  /// Errors of one joint and how often it was known.
+  struct JointSum {
+    double scaled_mm = 0.0;
+    double aligned_mm = 0.0;
+    std::int64_t count = 0;
+  };
+  using Histogram = std::array<std::int64_t, kCurveThresholds>;
+
+  PckJoints pck_;
   std::int64_t poses_ = 0;
-  std::int64_t joints_ = 0;
-  double scaled_mm_ = 0.0;
-  double aligned_mm_ = 0.0;
-  double correct150_ = 0.0;
+  std::int64_t counted_joints_ = 0;  ///< for PCK and AUC
+  double correct_ = 0.0;
   double area_ = 0.0;
   double cps_ = 0.0;
+  std::vector<JointSum> joints_;
+  Histogram first_correct_joints_{};  ///< how many joints are correct from the threshold of index + 1 mm on
+  Histogram first_correct_poses_{};
 };
 
 }  // namespace canonpose

@@ -70,10 +70,73 @@ TEST(MetricsTest, PckAucAndCpsByHand) {
   EXPECT_EQ(mean.poses, 2);
   EXPECT_DOUBLE_EQ(mean.n_mpjpe_mm, 311.0 / 4.0);
   EXPECT_DOUBLE_EQ(mean.p_mpjpe_mm, 470.0 / 8.0);
-  EXPECT_DOUBLE_EQ(mean.pck150_percent, 75.0) << "150 mm off is not below 150 mm";
+  EXPECT_DOUBLE_EQ(mean.pck_percent, 75.0) << "150 mm off is not below 150 mm";
   // Of the thresholds 0, 5, ..., 150: 0 lies below 30, 150 below none, 149 below one, 12 below 28 (15 to 150).
   EXPECT_DOUBLE_EQ(mean.auc_percent, 100.0 * (30 + 0 + 1 + 28) / (4 * 31));
   EXPECT_DOUBLE_EQ(mean.cps, (200.0 + 0.0) / 2.0);
+}
+
+TEST(MetricsTest, CurvesAreSharesBelowEachThreshold) {
+  PoseErrors a;
+  a.outcome = PoseOutcome::kEvaluated;
+  a.scaled_mm = {0.0, 299.5, 150.0, 700.0};
+  a.aligned_mm = {0.0, 10.0, 9.0, 0.5};
+  PoseErrors b = a;
+  b.aligned_mm = {0.0, 310.0, 0.0, 0.0};
+  MetricSum sum;
+  sum.Add(a);
+  sum.Add(b);
+  const Metrics mean = sum.Mean();
+  ASSERT_EQ(mean.pck_curve_percent.size(), 300U);
+  ASSERT_EQ(mean.cps_curve_percent.size(), 300U);
+  EXPECT_DOUBLE_EQ(mean.pck_curve_percent[0], 25.0);
+  EXPECT_DOUBLE_EQ(mean.pck_curve_percent[149], 25.0) << "150 mm off is not below 150 mm";
+  EXPECT_DOUBLE_EQ(mean.pck_curve_percent[150], 50.0);
+  EXPECT_DOUBLE_EQ(mean.pck_curve_percent[299], 75.0);
+  EXPECT_DOUBLE_EQ(mean.cps_curve_percent[9], 0.0);
+  EXPECT_DOUBLE_EQ(mean.cps_curve_percent[10], 50.0);
+  EXPECT_DOUBLE_EQ(mean.cps_curve_percent[299], 50.0);
+}
+
+TEST(MetricsTest, PckCountsTheJointsItIsToldTo) {
+  PoseErrors errors;
+  errors.outcome = PoseOutcome::kEvaluated;
+  errors.scaled_mm = {0.0, 90.0, 110.0, NAN};
+  errors.aligned_mm = {0.0, 1.0, 2.0, NAN};
+  MetricSum sum({100.0, {false, true, true, true}});
+  sum.Add(errors);
+  const Metrics mean = sum.Mean();
+  EXPECT_DOUBLE_EQ(mean.pck_percent, 50.0) << "the root is not counted, the last joint unknown";
+  EXPECT_DOUBLE_EQ(mean.n_mpjpe_mm, 200.0 / 3.0) << "over all joints nevertheless";
+  EXPECT_TRUE(std::isnan(mean.joints[3].n_mpjpe_mm));
+  EXPECT_DOUBLE_EQ(mean.joints[2].p_mpjpe_mm, 2.0);
+  const PoseMeans of_pose = MeansOf(errors);
+  EXPECT_DOUBLE_EQ(of_pose.n_mpjpe_mm, 200.0 / 3.0);
+  EXPECT_DOUBLE_EQ(of_pose.p_mpjpe_mm, 1.0);
+  EXPECT_DOUBLE_EQ(of_pose.largest_aligned_mm, 2.0);
+}
+
+TEST(MetricsTest, GroupsCountTheSameWhateverTheirSize) {
+  PoseErrors good;
+  good.outcome = PoseOutcome::kEvaluated;
+  good.scaled_mm = {0.0, 10.0};
+  good.aligned_mm = {5.0, 5.0};
+  PoseErrors bad = good;
+  bad.scaled_mm = {NAN, 200.0};
+  bad.aligned_mm = {NAN, 100.0};
+  MetricSum often;
+  for (int i = 0; i < 9; ++i) often.Add(good);
+  MetricSum once;
+  once.Add(bad);
+  const Metrics mean = AverageOf({often.Mean(), once.Mean()});
+  EXPECT_EQ(mean.poses, 10);
+  EXPECT_DOUBLE_EQ(mean.n_mpjpe_mm, (5.0 + 200.0) / 2.0);
+  EXPECT_DOUBLE_EQ(mean.p_mpjpe_mm, (5.0 + 100.0) / 2.0);
+  EXPECT_DOUBLE_EQ(mean.pck_percent, 50.0);
+  EXPECT_DOUBLE_EQ(mean.cps, (295.0 + 200.0) / 2.0);
+  EXPECT_DOUBLE_EQ(mean.cps_curve_percent[50], 50.0);
+  EXPECT_DOUBLE_EQ(mean.joints[0].p_mpjpe_mm, 5.0) << "only the first group knows it";
+  EXPECT_DOUBLE_EQ(mean.joints[1].p_mpjpe_mm, 52.5);
 }
 
 TEST(MetricsTest, CpsIsTheAreaUnderTheShareOfCorrectPoses) {

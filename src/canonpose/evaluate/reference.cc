@@ -25,8 +25,10 @@ PointObservation Observe(const CameraView& view, int frame, std::size_t joint_in
   return observation;
 }
 
-SequenceReference TriangulateSequence(const Sequence& sequence, std::size_t joint_count,
-                                      std::vector<double>& errors_px) {
+}  // namespace
+
+SequenceReference TriangulateSequence(const Sequence& sequence, int joints, std::vector<double>* errors_px) {
+  const auto joint_count = static_cast<std::size_t>(joints);
   SequenceReference reference;
   const std::size_t size = static_cast<std::size_t>(sequence.frame_count) * joint_count;
   for (const CameraView& view : sequence.cameras) {
@@ -42,7 +44,7 @@ SequenceReference TriangulateSequence(const Sequence& sequence, std::size_t join
       if (sequence.cameras[c].calibration.empty()) continue;
       const PointObservation& seen = observations[c];
       const double error_px = (seen.camera->Project(point.point_in_world_mm) - seen.pixel).norm();
-      if (seen.confidence > 0.0 && std::isfinite(error_px)) errors_px.push_back(error_px);
+      if (errors_px != nullptr && seen.confidence > 0.0 && std::isfinite(error_px)) errors_px->push_back(error_px);
       const Eigen::Vector3d in_camera = sequence.cameras[c].CalibrationAt(frame).InCamera(point.point_in_world_mm);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         reference.poses_in_camera[c][3 * i + axis] = static_cast<float>(in_camera[static_cast<Eigen::Index>(axis)]);
@@ -51,8 +53,6 @@ SequenceReference TriangulateSequence(const Sequence& sequence, std::size_t join
   }
   return reference;
 }
-
-}  // namespace
 
 ReferencePoses::ReferencePoses(const Dataset& dataset, const std::string& file) {
   const bool has_truth = dataset.HasTruth();
@@ -63,7 +63,7 @@ ReferencePoses::ReferencePoses(const Dataset& dataset, const std::string& file) 
   triangulated_ = !has_truth;
   for (const Sequence& sequence : dataset.sequences) {
     if (triangulated_) {
-      sequences_.push_back(TriangulateSequence(sequence, dataset.skeleton.joints.size(), reprojection_errors_px_));
+      sequences_.push_back(TriangulateSequence(sequence, dataset.skeleton.joint_count(), &reprojection_errors_px_));
       continue;
     }
     SequenceReference reference;

@@ -15,11 +15,18 @@ struct SequenceReference {
   std::vector<std::vector<float>> poses_in_camera;
 };
 
+/// Triangulates every joint of every frame from all calibrated cameras of a sequence, weighted by confidence and the
+/// distortion undone. For each camera (T, J, 3) mm in that camera's frame, NaN where unknown: where fewer than two
+/// cameras see the joint, its rays are nearly parallel, or it would lie behind a camera that sees it; empty for cameras
+/// without calibration. `reprojection_errors_px`, where given, gets the error of every triangulated joint in every view
+/// that sees it, after what it holds.
+SequenceReference TriangulateSequence(const Sequence& sequence, int joint_count,
+                                      std::vector<double>* reprojection_errors_px = nullptr);
+
 class ReferencePoses {
  public:
-  /// Truth where the file has any, otherwise confidence-weighted triangulation of each joint from all calibrated
-  /// cameras, the distortion undone. A joint whose rays are nearly parallel, or that would lie behind a camera that
-  /// sees it, is unknown. Throws Error(kBadInput) naming `file` where there is neither truth nor calibration.
+  /// Truth where the file has any, otherwise TriangulateSequence(). Throws Error(kBadInput) naming `file` where there
+  /// is neither truth nor calibration.
   ReferencePoses(const Dataset& dataset, const std::string& file);
 
   /// In the order of the dataset's sequences.

@@ -1,4 +1,4 @@
-// Evaluating many poses by a protocol, and telling the result: as JSON for programs, as a table for people.
+// Telling the result of an evaluation: as JSON for programs, as a table for people.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "canonpose/evaluate/cameras.h"
+#include "canonpose/evaluate/canonical.h"
 #include "canonpose/evaluate/metrics.h"
+#include "canonpose/evaluate/protocol.h"
 
 namespace canonpose {
 
@@ -25,15 +27,16 @@ struct ReferenceKind {
   std::optional<ReferenceError> reprojection_px;  ///< of a triangulated one
 };
 
-struct MeanErrors {
-  double n_mpjpe_mm = 0.0;
-  double p_mpjpe_mm = 0.0;
-};
-
 struct EvaluationReport {
   std::string protocol;  ///< in words
+  Protocol rules;
   ReferenceKind reference;
-  Metrics metrics;                           ///< over all poses
+  std::string truth_kind;                    ///< as the data call it ("annot3"); empty where they do not
+  std::vector<std::string> warnings;         ///< what is not as the protocol asks for, a sentence each
+  std::int64_t left_out_sequences = 0;       ///< those of subjects that the protocol does not evaluate
+  Metrics metrics;                           ///< weighted as the protocol says
+  std::optional<Metrics> by_pose;            ///< over all poses, where that is another mean
+  std::vector<std::string> all_joints;       ///< (J)
   std::vector<std::string> joints;           ///< those that took part
   std::vector<std::string> left_out_joints;  ///< those the user left out
   std::int64_t missing_predictions = 0;      ///< poses whose truth is known but that were not predicted; in no mean
@@ -41,55 +44,23 @@ struct EvaluationReport {
   std::int64_t mirrored = 0;                 ///< poses whose depth mirror has the right shape rather than they
   double depth_extent_ratio = 0.0;           ///< root mean square depth of the poses, over that of the truth
   std::map<std::string, MeanErrors> per_sequence;
+  std::map<std::string, MeanErrors> per_action;               ///< empty where no actions are known
   std::vector<std::pair<std::string, MeanErrors>> per_joint;  ///< in the skeleton's order
   std::optional<CameraErrors> cameras;                        ///< where solved cameras and a calibration are known
+  std::optional<CanonicalReport> canonical;                   ///< where it was asked for
 };
 
-/// The contract's keys, and beside them `reference`, `reference_reprojection_error_px` {median, mean} where the
-/// reference was triangulated, `missing_predictions`, `unusable_truths`, `mirrored_percent`,
-/// `depth_extent_ratio`, `left_out_joints` and, of solved cameras, `cameras` {relative_rotation_deg,
-/// centred_rotation_deg, focal_percent}.
-/// `frames` and `joints` are numbers.
+/// The contract's keys, and beside them `protocol_name`, `headline` (the key of the figure to look at), `reference`,
+/// `reference_reprojection_error_px` {median, mean} where the reference was triangulated, `truth_kind` where known,
+/// `warnings`, `left_out_sequences`, `missing_predictions`, `unusable_truths`, `mirrored_percent`,
+/// `depth_extent_ratio`, `left_out_joints`, of solved cameras `cameras` {relative_rotation_deg, centred_rotation_deg,
+/// focal_percent}, `by_pose` (the five figures over all poses where the protocol weights otherwise), `per_action` where
+/// actions are known, `cps_curve` and `pck_curve` (300 shares in %, for thresholds of 1, 2, ..., 300 mm) and, where
+/// asked for, `canonical` {hip_std_mm {RHip, LHip}, std_mm, views_mm, frames_mm, per_joint, poses, left_out}. `frames`
+/// and `joints` are numbers.
 std::string ReportAsJson(const EvaluationReport& report);
 
 /// For the terminal; states the protocol in words, and a triangulated reference's own error.
 std::string ReportAsTable(const EvaluationReport& report);
-
-/// The only protocol so far; see ProtocolText().
-inline constexpr const char* kAllFrames = "all-frames";
-
-/// Takes poses one by one and sums them up.
-class Evaluation {
- public:
-  /// `left_out` are names of joints, in whatever case. Throws Error(kUsage) where one is unknown or none would be left.
-  Evaluation(std::vector<std::string> joint_names, int root, const std::vector<std::string>& left_out);
-
-  /// Both (J, 3); see ComparePoses().
-  void Add(const std::string& sequence, const float* predicted, const float* truth);
-  /// T poses of one view.
-  void AddAll(const std::string& sequence, const std::vector<float>& predicted, const std::vector<float>& truth);
-
-  /// Throws Error(kBadInput) naming `file` where no pose could be evaluated.
-  [[nodiscard]] EvaluationReport Finish(const ReferenceKind& reference, const std::string& file) const;
-
- private:
-  [[nodiscard]] std::string ProtocolText() const;
-
-  std::vector<std::string> names_;
-  MetricJoints joints_;
-  MetricSum all_;
-  std::map<std::string, MetricSum> sequences_;
-  /// Sums of both errors and their number, of each joint.
-  struct JointSum {
-    double scaled_mm = 0.0;
-    double aligned_mm = 0.0;
-    std::int64_t count = 0;
-  };
-  std::vector<JointSum> joint_sums_;
-  std::int64_t missing_predictions_ = 0;
-  std::int64_t unusable_truths_ = 0;
-  std::int64_t mirrored_ = 0;
-  DepthSquares depths_;
-};
 
 }  // namespace canonpose

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canonpose/base/testing.h"
+#include "canonpose/evaluate/evaluation.h"
 #include "canonpose/evaluate/reference.h"
 
 namespace canonpose {
@@ -25,11 +26,11 @@ EvaluationReport Sample(const ReferenceKind& reference) {
   Evaluation evaluation(kNames, 0, {});
   std::vector<float> off = kTruth;
   off[4] += 40.0F;  // joint A, so that even the best alignment leaves an error
-  evaluation.Add("walk", kTruth.data(), kTruth.data());
-  evaluation.Add("run", off.data(), kTruth.data());
+  evaluation.Add({"walk"}, kTruth.data(), kTruth.data());
+  evaluation.Add({"run"}, off.data(), kTruth.data());
   std::vector<float> unknown(15, NAN);
-  evaluation.Add("run", unknown.data(), kTruth.data());
-  evaluation.Add("run", kTruth.data(), unknown.data());
+  evaluation.Add({"run"}, unknown.data(), kTruth.data());
+  evaluation.Add({"run"}, kTruth.data(), unknown.data());
   return evaluation.Finish(reference, "a.h5");
 }
 
@@ -67,7 +68,7 @@ TEST(ReportTest, JointsAreLeftOutByName) {
   Evaluation evaluation(kNames, 0, {"a"});
   std::vector<float> off = kTruth;
   off[4] += 40.0F;
-  evaluation.Add("run", off.data(), kTruth.data());
+  evaluation.Add({"run"}, off.data(), kTruth.data());
   const EvaluationReport report = evaluation.Finish({"truth", {}}, "a.h5");
   EXPECT_NEAR(report.metrics.n_mpjpe_mm, 0.0, 1e-4);
   EXPECT_THAT(report.joints, ElementsAre("Hip", "B", "C", "D"));

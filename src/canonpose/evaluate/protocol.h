@@ -1,0 +1,91 @@
+// The protocols of the field's benchmarks: which poses are compared, and how their errors become one figure. Everything
+// that tells protocols apart is a value here, so that a figure can always be printed with what it means.
+//
+// Where published sources differ, this is what was chosen and why:
+//
+//   h36m     Subjects S9 and S11, and of each sequence the first frame and every 64th after it. Sun et al. (Integral
+//            Human Pose Regression, ECCV 2018) and Moon et al. (ICCV 2019) count frames so, and CanonPose (Wandt et
+//            al., CVPR 2021) evaluates every 64th frame. Martinez et al. (ICCV 2017) and Pavllo et al. (CVPR 2019) take
+//            the mean of every action over both subjects and all cameras, where "Walking" and "Walking 1" are one
+//            action, and then the mean over actions: so do we. Others take the mean over poses, which JSON has as
+//            `by_pose`.
+//   3dhp     The script of MPI-INF-3DHP (Mehta et al., 3DV 2017; mpii_test_predictions.m, mpii_compute_3d_pck.m): poses
+//            centred on the pelvis and compared with univ_annot3, the poses on a skeleton of one size; PCK at 150 mm
+//            and AUC over 0, 5, ..., 150 mm of 14 joints (pelvis, spine and head centre are commented out in the lists
+//            of joints it comes with); MPJPE of all 17; in its row "All" every valid frame of all six sequences counts
+//            the same. It does not scale; methods without labels do not know scale, so that theirs are scaled first
+//            (Rhodin et al., CVPR 2018), and here everything is.
+//   skipose  Rhodin et al. (CVPR 2018): all rows of the test part; N-MPJPE and PCK at 150 mm after scaling, a mean over
+//            poses. CanonPose adds PMPJPE and CPS.
+//
+// CanonPose's own evaluation was not published, so that its figures are only known by its text.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace canonpose {
+
+/// The figure that a protocol's tables are sorted by; all are reported always.
+enum class Headline { kNMpjpe, kPMpjpe, kPck };
+
+/// What counts the same in a mean.
+enum class Weighting {
+  kPoses,      ///< every pose, or for errors of joints every joint of every pose
+  kSequences,  ///< every sequence: the mean over sequences of the means of each
+  kActions,    ///< every action, likewise
+};
+
+/// What counts as a correct joint.
+struct PckRule {
+  double threshold_mm = 150.0;
+  /// Each joint with the names it goes by, the surest first: of a joint, or of a part of the body (FindPart()). Empty:
+  /// all joints that take part.
+  std::vector<std::vector<std::string>> joints;
+};
+
+struct Protocol {
+  std::string name;                   ///< as --protocol takes it
+  std::string summary;                ///< a line for lists
+  std::vector<std::string> subjects;  ///< those evaluated; empty: all
+  int first_frame = 0;                ///< of a sequence, counted from 0
+  int frame_step = 1;                 ///< that frame and every so many after it
+  Headline headline = Headline::kNMpjpe;
+  PckRule pck;
+  Weighting weighting = Weighting::kPoses;
+  bool merge_takes = false;  ///< "Walking 1" is the action "Walking"
+  std::string truth_kind;    ///< the kind of truth it is defined for ("univ_annot3"); empty: any
+};
+
+/// The default: every frame of everybody, each pose counting the same.
+inline constexpr const char* kAllFrames = "all-frames";
+
+/// All of them, the default first.
+const std::vector<Protocol>& Protocols();
+
+/// Throws Error(kUsage) that lists the names with a line each where there is none.
+const Protocol& FindProtocol(const std::string& name);
+
+/// "N-MPJPE" and the key it has in the evaluation's JSON.
+std::string HeadlineName(const Protocol& protocol);
+std::string HeadlineKey(const Protocol& protocol);
+
+/// "pck150_percent".
+std::string PckKey(const Protocol& protocol);
+
+/// Which poses are compared, in words: "frames 0, 64, 128, ... of every sequence and view of S9
+/// and S11".
+std::string PosesInWords(const Protocol& protocol);
+/// What the means are taken over, in words.
+std::string WeightingInWords(const Protocol& protocol);
+
+/// Every protocol with all of its values in words, a paragraph each.
+std::string ProtocolList();
+
+/// The action that a pose of action `action` counts for.
+std::string ActionOf(const Protocol& protocol, const std::string& action);
+
+/// Whether `subject` is evaluated; case does not matter.
+bool HasSubject(const Protocol& protocol, const std::string& subject);
+
+}  // namespace canonpose

@@ -40,12 +40,13 @@ Dataset CalibratedRing(int frames, int cameras) {
     const double azimuth = 1.1 * static_cast<double>(c);
     Camera camera;
     camera.K << 800, 0, 500, 0, 800, 500, 0, 0, 1;
-    camera.camera_from_world_rotation = Eigen::AngleAxisd(azimuth, Eigen::Vector3d::UnitY()).toRotationMatrix();
-    camera.camera_from_world_translation_mm = {0.0, 0.0, 3.5};
+    camera.camera_from_world_rotation << std::cos(azimuth), 0, std::sin(azimuth), 0, 1, 0, -std::sin(azimuth), 0,
+        std::cos(azimuth);
+    camera.camera_from_world_translation_mm.z() = 3.5;
     view.calibration = {camera};
     for (std::size_t i = 0; i < view.confidence.size(); ++i) {
-      const auto& at = testing::PuppetAt(0.13 * static_cast<double>(i / kJoints))[i % kJoints];
-      const Eigen::Vector3d point(at[0], at[1], at[2]);
+      const auto puppet = testing::PuppetAt(0.13 * static_cast<double>(i / kJoints));
+      const Eigen::Vector3d point = Eigen::Vector3d::Map(puppet[i % kJoints].data());
       const Eigen::Vector3d in_camera = camera.InCamera(point);
       for (int axis = 0; axis < 3; ++axis)
         view.truth[3 * i + static_cast<std::size_t>(axis)] = static_cast<float>(in_camera[axis]);

@@ -95,6 +95,23 @@ TEST(EvaluateProgram, ListsProtocolsAndRefusesOthers) {
                  HasSubstr("frames 0, 64, 128"));
 }
 
+TEST(EvaluateProgram, TruthOfAnotherKindOrUnknownIsToldAndWarnedOf) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(Evaluated({TestData("protocols/3dhp.h5"), "--protocol", "3dhp"})["truth_kind"], "univ_annot3");
+  const std::string file = folder / "changed.h5";
+  for (const char* kind : {"annot3", ""}) {
+    WriteChanged(file, "3dhp.h5", [&](Dataset& dataset) {
+      for (Sequence& sequence : dataset.sequences) sequence.truth_kind = kind;
+    });
+    const json report = Evaluated({file, "--protocol", "3dhp"});
+    EXPECT_EQ(report.contains("truth_kind"), std::string(kind) != "");
+    ASSERT_EQ(report["warnings"].size(), 1U);
+    EXPECT_THAT(report["warnings"][0].get<std::string>(),
+                AllOf(HasSubstr("univ_annot3"), HasSubstr(*kind != 0 ? "this is annot3" : "do not say")));
+    EXPECT_TRUE(Evaluated({file})["warnings"].empty());
+  }
+}
+
 TEST(EvaluateProgram, FramesAreCountedFromTheFilesFirst) {
   const std::string data = TestData("protocols/h36m.h5");
   const TemporaryFolder folder;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -29,10 +30,12 @@ class Run {
 
  private:
   void Begin(const Skeleton& skeleton);
+  void AddTruthKinds(const Dataset& dataset);
   void AddSequence(const Sequence& sequence, const SequenceReference& reference, const Selection& selection,
                    const std::string& prefix, Progress& progress);
   void AddCanonical(const std::vector<std::vector<float>>& canonical,
                     const std::vector<std::vector<PoseErrors>>& errors, int frame_count);
+  void TellTruthKind(EvaluationReport& report) const;
   [[noreturn]] void ThrowNothingLeft() const;
 
   const DatasetEvaluation& job_;
@@ -41,6 +44,7 @@ class Run {
   std::optional<Evaluation> evaluation_;
   std::optional<CanonicalSpread> canonical_;
   ReferenceSummary reference_;
+  std::set<std::string> truth_kinds_;  ///< "" where a sequence does not say
   CameraComparison cameras_;
   std::int64_t left_out_sequences_ = 0;
   std::int64_t sequences_too_short_ = 0;
@@ -72,6 +76,7 @@ void Run::Add(const fs::path& file) {
   }
   const ReferencePoses reference(dataset, file.string());
   reference_.Add(reference);
+  if (!reference.triangulated()) AddTruthKinds(dataset);
   if (job_.with_cameras) cameras_.Add(dataset);
   const std::string prefix = job_.files.size() > 1 ? file.stem().string() + "/" : "";
   long view_count = 0;
@@ -101,7 +106,7 @@ void Run::AddSequence(const Sequence& sequence, const SequenceReference& referen
                     predicted.pose_in_camera.size(), truth.size());
     errors.emplace_back();
     for (std::size_t t = 0; t * row < truth.size(); ++t) {
-      const PoseSource source{prefix + sequence.name, camera, selection.FrameNumber(t)};
+      const PoseSource source{prefix + sequence.name, camera, selection.FrameNumber(t), ActionIn(sequence, t)};
       errors.back().push_back(evaluation_->Add(source, &predicted.pose_in_camera[t * row], &truth[t * row]));
     }
     canonical.push_back(std::move(predicted.canonical));
@@ -116,6 +121,25 @@ void Run::AddCanonical(const std::vector<std::vector<float>>& canonical,
     for (std::size_t c = 0; c < canonical.size(); ++c) canonical_->AddView(&canonical[c][t * row], errors[c][t]);
     canonical_->EndFrame();
   }
+}
+
+void Run::AddTruthKinds(const Dataset& dataset) {
+  for (const Sequence& sequence : dataset.sequences) {
+    const bool has_truth = std::any_of(sequence.cameras.begin(), sequence.cameras.end(),
+                                       [](const CameraView& view) { return !view.truth.empty(); });
+    if (has_truth) truth_kinds_.insert(sequence.truth_kind);
+  }
+}
+
+void Run::TellTruthKind(EvaluationReport& report) const {
+  std::vector<std::string> kinds(truth_kinds_.begin(), truth_kinds_.end());
+  std::replace(kinds.begin(), kinds.end(), std::string(), std::string("unknown"));
+  if (truth_kinds_ != std::set<std::string>{""}) report.truth_kind = fmt::format("{}", fmt::join(kinds, " and "));
+  const std::string& wanted = job_.protocol.truth_kind;
+  if (wanted.empty() || truth_kinds_ == std::set<std::string>{wanted}) return;
+  report.warnings.push_back(fmt::format("{} compares with truth of the kind {}, but {}", job_.protocol.name, wanted,
+                                        report.truth_kind.empty() ? "the data do not say which theirs is"
+                                                                  : fmt::format("this is {}", report.truth_kind)));
 }
 
 void Run::ThrowNothingLeft() const {
@@ -137,6 +161,7 @@ void Run::ThrowNothingLeft() const {
 EvaluationReport Run::Finish() {
   if (!evaluation_) ThrowNothingLeft();
   EvaluationReport report = evaluation_->Finish(reference_.Kind(), job_.files.front().string());
+  TellTruthKind(report);
   report.left_out_sequences = left_out_sequences_;
   report.cameras = cameras_.Medians();
   if (canonical_) report.canonical = canonical_->Finish();

@@ -119,6 +119,7 @@ void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& fi
       }
       if (view.calibration.size() > 1) KeepRows(view.calibration, sequence.frame_count, range.first, last);
     }
+    KeepRows(sequence.action, sequence.frame_count, range.first, last);
     sequence.frame_count = last - range.first + 1;
   }
   std::erase_if(dataset.sequences, [](const Sequence& sequence) { return sequence.frame_count == 0; });

@@ -200,6 +200,24 @@ std::string DefaultCapture(const Sequence& sequence) {
   return sequence.static_cameras && !sequence.subject.empty() ? sequence.subject : sequence.name;
 }
 
+void ReadActions(const h5::Group& group, Sequence& sequence) {
+  if (group.HasAttribute("truth_kind")) sequence.truth_kind = group.GetString("truth_kind");
+  if (group.HasAttribute("actions")) sequence.actions = group.GetStrings("actions");
+  if (!group.Has("action")) return;
+  const h5::Array<std::int64_t> action = group.Read<std::int64_t>("action");
+  if (action.shape != std::vector<std::size_t>{static_cast<std::size_t>(sequence.frame_count)}) {
+    group.Fail("action", fmt::format("shape ({}) = frames", sequence.frame_count), h5::FormatShape(action.shape), "");
+  }
+  const auto count = static_cast<std::int64_t>(sequence.actions.size());
+  for (const std::int64_t value : action.values) {
+    if (value < 0 || value >= count || value > UINT8_MAX) {
+      group.Fail("action", fmt::format("numbers from 0 to {}, of the attribute actions", count - 1),
+                 fmt::format("{}", value), "");
+    }
+    sequence.action.push_back(static_cast<std::uint8_t>(value));
+  }
+}
+
 Sequence ReadSequence(const h5::Group& group, const std::string& name, const Skeleton& skeleton) {
   Sequence sequence;
   sequence.name = name;
@@ -225,6 +243,7 @@ Sequence ReadSequence(const h5::Group& group, const std::string& name, const Ske
   }
   if (sequence.cameras.empty()) group.Fail("cameras", "at least one camera", "none", "");
   sequence.frame_count = frame_count;
+  ReadActions(group, sequence);
   return sequence;
 }
 
@@ -381,6 +400,12 @@ void DatasetWriter::Add(const Sequence& sequence) {
   group.SetInt("static_cameras", sequence.static_cameras ? 1 : 0);
   // A default written out would read as a name that other files can share.
   if (sequence.capture_is_named && !sequence.capture.empty()) group.SetString("capture", sequence.capture);
+  if (!sequence.truth_kind.empty()) group.SetString("truth_kind", sequence.truth_kind);
+  if (!sequence.actions.empty()) group.SetStrings("actions", sequence.actions);
+  if (!sequence.action.empty()) {
+    const std::vector<std::int64_t> action(sequence.action.begin(), sequence.action.end());
+    Write(group, "action", action, {action.size()});
+  }
   h5::Group cameras = group.Create("cameras");
 
   const auto frames = static_cast<std::size_t>(sequence.frame_count);

@@ -63,6 +63,9 @@ Dataset Sample() {
     moving.camera_from_world_translation_mm = {1.0 * frame, 2.0, 3.0};
     run.cameras[0].calibration.push_back(moving);
   }
+  walk.actions = {"Walking", "Turning"};
+  walk.action = {0, 1, 1, 0};
+  walk.truth_kind = "annot3";
   dataset.sequences = {run, walk};  // in the order of the file, which is alphabetical
   return dataset;
 }
@@ -104,6 +107,9 @@ TEST(DatasetTest, RoundTripKeepsEverything) {
     EXPECT_EQ(a.static_cameras, b.static_cameras);
     EXPECT_EQ(a.capture, b.capture);
     EXPECT_EQ(a.frame_count, b.frame_count);
+    EXPECT_EQ(a.actions, b.actions);
+    EXPECT_EQ(a.action, b.action);
+    EXPECT_EQ(a.truth_kind, b.truth_kind);
     ASSERT_EQ(a.cameras.size(), b.cameras.size());
     for (std::size_t c = 0; c < a.cameras.size(); ++c) {
       EXPECT_EQ(a.cameras[c].name, b.cameras[c].name);

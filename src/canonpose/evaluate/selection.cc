@@ -28,10 +28,16 @@ void KeepFrames(Sequence& sequence, int first, int step) {
     if (view.calibration.size() > 1) KeepRows(view.calibration, count, first, step);
     if (view.solved_calibration.size() > 1) KeepRows(view.solved_calibration, count, first, step);
   }
+  KeepRows(sequence.action, count, first, step);
   sequence.frame_count = first < count ? (count - 1 - first) / step + 1 : 0;
 }
 
 }  // namespace
+
+std::string ActionIn(const Sequence& sequence, std::size_t frame) {
+  if (sequence.actions.empty()) return "";
+  return sequence.actions[sequence.action.empty() ? 0 : sequence.action[frame]];
+}
 
 Selection SelectPoses(Dataset& dataset, const Protocol& protocol, int first_frame) {
   Selection selection;

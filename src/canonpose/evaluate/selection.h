@@ -24,6 +24,9 @@ struct Selection {
   }
 };
 
+/// What is done in a frame of a sequence, counted as the sequence now is; empty where unknown.
+std::string ActionIn(const Sequence& sequence, std::size_t frame);
+
 /// Leaves in `dataset` what `protocol` evaluates, which may be nothing. `first_frame` is the number in the file of the
 /// first frame that the dataset still has, after KeepFrames().
 Selection SelectPoses(Dataset& dataset, const Protocol& protocol, int first_frame);

@@ -64,6 +64,19 @@ TEST(SelectionTest, FramesCountFromTheFilesFirst) {
   EXPECT_TRUE(dataset.sequences.empty()) << "frame 12 is not there";
 }
 
+TEST(SelectionTest, ActionsGoWithTheirFrames) {
+  Dataset dataset;
+  dataset.sequences.push_back(Recorded("S9", 0, 11));
+  Sequence& sequence = dataset.sequences.front();
+  EXPECT_EQ(ActionIn(sequence, 5), "");
+  sequence.actions = {"sit", "eat"};
+  EXPECT_EQ(ActionIn(sequence, 5), "sit") << "the first, where frames do not tell";
+  sequence.action = {0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0};
+  SelectPoses(dataset, EveryFifthFrom(0), 0);
+  EXPECT_EQ(ActionIn(sequence, 0), "sit");
+  EXPECT_EQ(ActionIn(sequence, 1), "eat");
+}
+
 TEST(SelectionTest, TheDefaultLeavesDataAsTheyAre) {
   Dataset dataset;
   dataset.sequences.push_back(Recorded("S1", 3, 4));

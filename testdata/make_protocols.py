@@ -67,19 +67,36 @@ def spoil(truth, solved, frames, root):
     truth[unusable, np.arange(truth.shape[1]) % 3 != 0] = np.nan
 
 
+def timeless(properties):
+    """HDF5 notes when a group was made; without that the same data have the same bits."""
+    properties.set_obj_track_times(False)
+    return properties
+
+
+def create_group(parent, name):
+    return h5py.Group(h5py.h5g.create(parent.id, name.encode(), gcpl=timeless(h5py.h5p.create(h5py.h5p.GROUP_CREATE))))
+
+
+def create_file(path):
+    access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
+    access.set_libver_bounds(h5py.h5f.LIBVER_LATEST, h5py.h5f.LIBVER_LATEST)
+    return h5py.File(h5py.h5f.create(str(path).encode(), fcpl=timeless(h5py.h5p.create(h5py.h5p.FILE_CREATE)), fapl=access))
+
+
 def write(path, skeleton, sequences):
     """sequences: dictionaries of name, subject, static, actions, action (T) or None, truth_kind or None, cameras {name: (truth, solved)}."""
     names = [joint[0] for joint in skeleton]
-    with h5py.File(path, "w", libver="latest") as file:
+    with create_file(path) as file:
         file.attrs["format"] = "canonpose-dataset"
         file.attrs["version"] = 1
-        group = file.create_group("skeleton")
+        group = create_group(file, "skeleton")
         group.attrs["joints"] = names
         group.attrs["parents"] = [-1 if joint[1] is None else names.index(joint[1]) for joint in skeleton]
         group.attrs["root"] = root_of(skeleton)
         group.attrs["mirror"] = [names.index(joint[2]) for joint in skeleton]
+        all_sequences = create_group(file, "sequences")
         for sequence in sequences:
-            group = file.create_group(f"sequences/{sequence['name']}")
+            group = create_group(all_sequences, sequence["name"])
             group.attrs["subject"] = sequence["subject"]
             group.attrs["fps"] = 50.0
             group.attrs["static_cameras"] = sequence["static"]
@@ -89,8 +106,9 @@ def write(path, skeleton, sequences):
                 group.create_dataset("action", data=sequence["action"].astype(np.uint8), compression=9)
             if sequence["truth_kind"]:
                 group.attrs["truth_kind"] = sequence["truth_kind"]
+            cameras = create_group(group, "cameras")
             for name, (truth, solved) in sequence["cameras"].items():
-                camera = group.create_group(f"cameras/{name}")
+                camera = create_group(cameras, name)
                 camera.attrs["image_size"] = [1000, 1000]
                 frames, joints = truth.shape[:2]
                 for key, values in [("keypoints", np.full((frames, joints, 2), 500)), ("confidence", np.ones((frames, joints))),

@@ -1,6 +1,6 @@
 // Whether a lifter's canonical pose is canonical: the same from every view, and turned the same way in every frame, so
-// that of a body that moves the hips stay where they are. Wandt et al. (CanonPose, CVPR 2021) report that their hips
-// have a standard deviation of 7.9 and 7.7 mm.
+// that of a body that moves the hips stay where they are. Wandt et al. (CanonPose, CVPR 2021) report a standard
+// deviation of 7.9 and 7.7 mm for theirs; whether in 3D or of single coordinates is not known to us.
 //
 // A deviation here is a root mean square distance in 3D from the mean position (divide by sqrt(3) for the one of a
 // single coordinate):

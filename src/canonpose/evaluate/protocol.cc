@@ -27,7 +27,7 @@ Protocol HumanProtocol(const std::string& name, const std::string& summary, Head
 Protocol InfProtocol() {
   Protocol protocol;
   protocol.name = "3dhp";
-  protocol.summary = "MPI-INF-3DHP, test set: every valid frame; PCK150 and AUC of 14 joints";
+  protocol.summary = "MPI-INF-3DHP, to be given its test set: every frame with truth; PCK150 and AUC of 14 joints";
   protocol.headline = Headline::kPck;
   protocol.truth_kind = "univ_annot3";
   protocol.pck.joints = {{"head_top", "headtop"}, {"neck", "thorax"}};
@@ -43,7 +43,7 @@ std::vector<Protocol> MakeProtocols() {
   all.summary = "every frame of every subject, every pose counting the same";
   Protocol ski;
   ski.name = "skipose";
-  ski.summary = "Ski-PosePTZ, the rows of its test part";
+  ski.summary = "Ski-PosePTZ, to be given the rows of its test part";
   return {all,
           HumanProtocol("h36m-1", "Human3.6M, subjects S9 and S11, every 64th frame, mean over actions: N-MPJPE",
                         Headline::kNMpjpe),

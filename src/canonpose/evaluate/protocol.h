@@ -3,22 +3,23 @@
 //
 // Where published sources differ, this is what was chosen and why:
 //
-//   h36m     Subjects S9 and S11, and of each sequence the first frame and every 64th after it. Sun et al. (Integral
-//            Human Pose Regression, ECCV 2018) and Moon et al. (ICCV 2019) count frames so, and CanonPose (Wandt et
-//            al., CVPR 2021) evaluates every 64th frame. Martinez et al. (ICCV 2017) and Pavllo et al. (CVPR 2019) take
-//            the mean of every action over both subjects and all cameras, where "Walking" and "Walking 1" are one
-//            action, and then the mean over actions: so do we. Others take the mean over poses, which JSON has as
-//            `by_pose`.
-//   3dhp     The script of MPI-INF-3DHP (Mehta et al., 3DV 2017; mpii_test_predictions.m, mpii_compute_3d_pck.m): poses
-//            centred on the pelvis and compared with univ_annot3, the poses on a skeleton of one size; PCK at 150 mm
-//            and AUC over 0, 5, ..., 150 mm of 14 joints (pelvis, spine and head centre are commented out in the lists
-//            of joints it comes with); MPJPE of all 17; in its row "All" every valid frame of all six sequences counts
-//            the same. It does not scale; methods without labels do not know scale, so that theirs are scaled first
-//            (Rhodin et al., CVPR 2018), and here everything is.
-//   skipose  Rhodin et al. (CVPR 2018): all rows of the test part; N-MPJPE and PCK at 150 mm after scaling, a mean over
-//            poses. CanonPose adds PMPJPE and CPS.
+//   h36m     Subjects S9 and S11, and of each sequence the first frame and every 64th after it: CanonPose (Wandt et
+//   al.,
+//            CVPR 2021) evaluates every 64th frame, and code that takes these counts them so (Moon et al., ICCV 2019).
+//            Martinez et al. (ICCV 2017) and Pavllo et al. (CVPR 2019) take the mean of every action over both subjects
+//            and all cameras, where "Walking" and "Walking 1" are one action, and then the mean over actions: so do we.
+//            Others take the mean over poses, which JSON has as `by_pose`.
+//   3dhp     The script of MPI-INF-3DHP (Mehta et al., 3DV 2017; mpii_test_predictions.m, mpii_evaluate_errors.m,
+//            mpii_compute_3d_pck.m): poses centred on the pelvis and compared with univ_annot3, the poses on a skeleton
+//            of one size; PCK at 150 mm and AUC over 0, 5, ..., 150 mm of 14 joints (its first list of joints had
+//            pelvis, spine and head centre too; in the one that is used they are commented out); MPJPE of all 17; in
+//            its row "All" every valid frame of all six sequences counts the same. It does not scale; methods without
+//            labels do not know scale, so that theirs are scaled first (Rhodin et al., CVPR 2018), and here everything
+//            is.
+//   skipose  All rows of the test part, a mean over poses; CanonPose reports N-MPJPE, PMPJPE, PCK at 150 mm and CPS.
 //
-// CanonPose's own evaluation was not published, so that its figures are only known by its text.
+// What part of a benchmark a dataset holds is known by its subjects in Human3.6M alone: of the other two, give the test
+// part. CanonPose's own evaluation was not published, so that it is known only by its text.
 #pragma once
 
 #include <string>

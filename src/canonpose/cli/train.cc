@@ -13,7 +13,7 @@
 #include "canonpose/base/progress.h"
 #include "canonpose/cli/best.h"
 #include "canonpose/cli/commands.h"
-#include "canonpose/data/camera_choice.h"
+#include "canonpose/data/choice.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/model/pose_morph.h"
 #include "canonpose/train/trainer.h"
@@ -29,6 +29,7 @@ struct Arguments {
   fs::path run_folder;
   std::string frames;
   std::string cameras;
+  std::string subjects;
   fs::path morph;
   bool resume = false;
   bool overwrite = false;
@@ -82,6 +83,7 @@ void RunTrain(const Arguments& arguments) {
   for (const fs::path& path : arguments.data) {
     job.datasets.push_back(ReadDataset(path));
     job.data_files.push_back(path.filename().string());
+    if (!arguments.subjects.empty()) KeepSubjects(job.datasets.back(), arguments.subjects, path.string());
     if (!arguments.cameras.empty()) KeepCameras(job.datasets.back(), arguments.cameras, path.string());
     if (morph) morph->Apply(job.datasets.back(), path.string());
     if (!arguments.frames.empty()) KeepFrames(job.datasets.back(), FrameRange::Parse(arguments.frames), path.string());
@@ -121,6 +123,7 @@ void AddTrainCommand(CLI::App& app) {
   add("--mirror", "mirror", "auto: decide by perspective; keep or flip: by your choice (default auto)");
   add("--threads", "threads", "Number of threads (default: all)");
   command->add_option("--frames", arguments->frames, "Train on frames A-B of each sequence only, counted from 0");
+  command->add_option("--subjects", arguments->subjects, "Train on these subjects only: A,B");
   command->add_option("--cameras", arguments->cameras,
                       "Train on these cameras only: A,B, or the first N of each sequence");
   command->add_option("--morph", arguments->morph,

@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/evaluate/names.h"
+#include "canonpose/base/names.h"
 #include "canonpose/skeleton/mapping.h"
 
 namespace canonpose {

@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/evaluate/names.h"
+#include "canonpose/base/names.h"
 
 namespace canonpose {
 namespace {

@@ -1,5 +1,7 @@
 #include "canonpose/model/lifter.h"
 
+#include <cmath>
+
 #include "canonpose/base/error.h"
 #include "canonpose/model/tensors.h"
 
@@ -60,8 +62,22 @@ void LiftingNetwork::Mirror() {
   }
 }
 
-LifterImpl::LifterImpl(int joint_count, int width, RotationForm form, bool sees_confidences)
-    : LiftingNetwork(joint_count, sees_confidences),
+ConfidenceInput ConfidenceInputNamed(const std::string& name) {
+  CANONPOSE_CHECK(name == "on" || name == "missing" || name == "off", "{}", name);
+  if (name == "on") return ConfidenceInput::kAll;
+  return name == "missing" ? ConfidenceInput::kMissing : ConfidenceInput::kNone;
+}
+
+torch::Tensor LiftingNetwork::Seen(const torch::Tensor& input) const {
+  if (confidences_ == ConfidenceInput::kAll) return input;
+  const torch::Tensor points = input.narrow(1, 0, 2 * joint_count_);  // of norm 1, see NormalisePose()
+  if (confidences_ == ConfidenceInput::kNone) return points;
+  const torch::Tensor seen = (input.narrow(1, 2 * joint_count_, joint_count_) > 0).to(input.scalar_type());
+  return torch::cat({std::sqrt(2.0 * joint_count_) * points, seen - 1}, 1);
+}
+
+LifterImpl::LifterImpl(int joint_count, int width, RotationForm form, ConfidenceInput confidences)
+    : LiftingNetwork(joint_count, confidences),
       width_(width),
       form_(form),
       upscale_(register_module("upscale", torch::nn::Linear(input_size(), width))),

@@ -34,11 +34,22 @@ torch::Tensor Rodrigues(const torch::Tensor& axis_angle);
 /// Continuity of Rotation Representations in Neural Networks", CVPR 2019, equation 15.
 torch::Tensor RotationFromSix(const torch::Tensor& six);
 
+/// What a network sees of the confidences of its input.
+enum class ConfidenceInput {
+  kAll,  ///< how sure the detector is of each joint, as published
+  /// Which joints are missing: -1, the others 0; and the coordinates of a pose at a mean square of 1. Confidences near
+  /// 1 beside coordinates near 0.2 are a large constant to learn around, which costs accuracy (docs/results.md).
+  kMissing,
+  kNone,  ///< nothing: 2D coordinates alone
+};
+
+/// Of "on", "missing" or "off", as options and model files name them.
+ConfidenceInput ConfidenceInputNamed(const std::string& name);
+
 /// What training and lifting know of a network.
 class LiftingNetwork : public torch::nn::Module {
  public:
-  /// `input` is (B, 3J): x of all joints, y of all joints, confidences. A network that was made not to see confidences
-  /// does not look at the last J.
+  /// `input` is (B, 3J): x of all joints, y of all joints, confidences.
   virtual LifterOutput forward(const torch::Tensor& input) = 0;
 
   [[nodiscard]] int joint_count() const { return joint_count_; }
@@ -59,16 +70,17 @@ class LiftingNetwork : public torch::nn::Module {
   virtual void MirrorRows(const std::string& name, torch::Tensor& tensor) const = 0;
 
  protected:
-  LiftingNetwork(int joint_count, bool sees_confidences)
-      : joint_count_(joint_count), sees_confidences_(sees_confidences) {}
+  LiftingNetwork(int joint_count, ConfidenceInput confidences) : joint_count_(joint_count), confidences_(confidences) {}
 
-  /// The columns of the input that the network sees, and how many.
-  [[nodiscard]] torch::Tensor Seen(const torch::Tensor& input) const { return input.narrow(1, 0, input_size()); }
-  [[nodiscard]] std::int64_t input_size() const { return (sees_confidences_ ? 3 : 2) * joint_count_; }
+  /// The columns of the input as the network sees them, and how many.
+  [[nodiscard]] torch::Tensor Seen(const torch::Tensor& input) const;
+  [[nodiscard]] std::int64_t input_size() const {
+    return (confidences_ == ConfidenceInput::kNone ? 2 : 3) * joint_count_;
+  }
 
  private:
   int joint_count_;
-  bool sees_confidences_;
+  ConfidenceInput confidences_;
 };
 
 /// x + lrelu(l2(lrelu(l1(x)))), then one more leaky ReLU; slope 0.01.
@@ -88,7 +100,8 @@ TORCH_MODULE(ResidualBlock);
 /// are added to what the rotation branch gives, so that either form starts near no rotation.
 class LifterImpl : public LiftingNetwork {
  public:
-  LifterImpl(int joint_count, int width, RotationForm form = RotationForm::kAxisAngle, bool sees_confidences = true);
+  LifterImpl(int joint_count, int width, RotationForm form = RotationForm::kAxisAngle,
+             ConfidenceInput confidences = ConfidenceInput::kAll);
 
   LifterOutput forward(const torch::Tensor& input) override;
 

@@ -174,5 +174,24 @@ TEST(Lifter, InitialisationDependsOnTheSeedAlone) {
 
 TEST(Runtime, TellsTheLinearAlgebraLibrary) { EXPECT_FALSE(LinearAlgebraLibrary().empty()); }
 
+TEST(Lifter, SeesOfConfidencesWhatItWasMadeToSee) {
+  constexpr int kJoints = 4;
+  torch::Tensor sure = torch::linspace(-1.0, 1.0, 3 * kJoints).view({1, 3 * kJoints}).clone();
+  sure.narrow(1, 2 * kJoints, kJoints).fill_(0.9);
+  torch::Tensor unsure = sure.clone();
+  unsure.narrow(1, 2 * kJoints, kJoints).fill_(0.2);
+  torch::Tensor missing = sure.clone();
+  missing[0][2 * kJoints + 1] = 0.0;
+  const auto same = [&](const char* name, const torch::Tensor& a, const torch::Tensor& b) {
+    Lifter lifter(kJoints, 8, RotationForm::kAxisAngle, ConfidenceInputNamed(name));
+    lifter->Initialise(1);
+    return torch::equal(lifter->forward(a).pose, lifter->forward(b).pose);
+  };
+  EXPECT_FALSE(same("on", sure, unsure));
+  EXPECT_TRUE(same("missing", sure, unsure));
+  EXPECT_FALSE(same("missing", sure, missing));
+  EXPECT_TRUE(same("off", sure, missing));
+}
+
 }  // namespace
 }  // namespace canonpose

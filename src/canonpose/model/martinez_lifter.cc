@@ -27,7 +27,7 @@ torch::Tensor MartinezBlockImpl::forward(const torch::Tensor& x) {
 }
 
 MartinezLifterImpl::MartinezLifterImpl(int joint_count, int width)
-    : LiftingNetwork(joint_count, /*sees_confidences=*/false),
+    : LiftingNetwork(joint_count, ConfidenceInput::kNone),
       first_(register_module("first", torch::nn::Linear(input_size(), width))),
       first_norm_(register_module("first_norm", torch::nn::BatchNorm1d(width))),
       block1_(register_module("block1", MartinezBlock(width))),

@@ -115,7 +115,7 @@ ModelInfo ReadModelInfo(const h5::Group& root) {
   info.rotation = ReadWord(root, "rotation", {"axis_angle", "6d"});
   info.input.ray = ReadWord(root, "ray", {"off", "root"});
   info.input.focal = ReadWord(root, "focal", {"guess", "known"});
-  info.input.confidences = ReadWord(root, "confidences", {"on", "off"});
+  info.input.confidences = ReadWord(root, "confidences", {"on", "missing", "off"});
   info.preset = root.GetString("preset");
   info.options = root.GetString("options");
   info.seed = static_cast<std::uint64_t>(root.GetInt("seed"));

@@ -41,7 +41,7 @@ struct InputForm {
   std::string ray = "off";  ///< off; root: the root's viewing ray is turned onto the optical axis
   std::string focal =
       "guess";  ///< for that, guess: from the image size; known: solved or calibrated where there is one
-  std::string confidences = "on";  ///< off: the network sees 2D coordinates alone
+  std::string confidences = "on";  ///< what the network sees of confidences, see ConfidenceInputNamed()
 };
 
 /// Whether training without labels has settled in a solution that is none (train/trap.h).

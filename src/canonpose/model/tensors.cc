@@ -84,7 +84,8 @@ std::shared_ptr<LiftingNetwork> MakeNetwork(const ModelInfo& info) {
   const int joints = info.skeleton.joint_count();
   if (info.network == "martinez") return MartinezLifter(joints, info.width).ptr();
   CANONPOSE_CHECK(info.network == "canonical", "{} is no lifter", info.network);
-  return Lifter(joints, info.width, RotationFormNamed(info.rotation), info.input.confidences == "on").ptr();
+  return Lifter(joints, info.width, RotationFormNamed(info.rotation), ConfidenceInputNamed(info.input.confidences))
+      .ptr();
 }
 
 std::shared_ptr<LiftingNetwork> MakeLifter(const ModelFile& model, const std::string& file, torch::Device device) {

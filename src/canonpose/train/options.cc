@@ -155,7 +155,7 @@ void TrainOptions::Validate() const {
   RequireOneOf("schedule", schedule, {"steps", "cosine"});
   RequireOneOf("supervision", supervision, {"none", "truth", "solved", "triangulated"});
   RequireOneOf("network", network, {"canonical", "martinez"});
-  RequireOneOf("input_confidences", input_confidences, {"on", "off"});
+  RequireOneOf("input_confidences", input_confidences, {"on", "missing", "off"});
   RequireOneOf("loss_confidences", loss_confidences, {"on", "off"});
   RequireOneOf("consistency", consistency, {"mixing", "equal_poses", "equal_cameras"});
   RequireOneOf("ray", ray, {"off", "root"});
@@ -237,6 +237,7 @@ TrainOptions PresetOptions(const std::string& preset) {
     options.learning_rate = 1e-3;
     options.schedule = "cosine";
     options.ray = "root";
+    options.input_confidences = "missing";
     options.new_views = 0.8;
     options.flips = 0.5;
     options.joint_dropout = 0.15;

@@ -29,8 +29,10 @@ struct TrainOptions {
   /// method: one trained on the data by the method; factorisation: none, for static cameras; auto: the starter where it
   /// knows the joints, otherwise factorisation or, where cameras move, the method
   std::string bootstrap = "auto";
-  std::string input_confidences = "on";  ///< off: the network sees 2D coordinates alone
-  std::string loss_confidences = "on";   ///< off: all joints that are seen count the same in the loss
+  /// on: the network sees confidences, as published; missing: which joints it missed, the pose scaled up
+  /// (model/lifter.h); off: 2D coordinates alone
+  std::string input_confidences = "on";
+  std::string loss_confidences = "on";  ///< off: all joints that are seen count the same in the loss
   /// mixing: poses and rotations are mixed over views and frames, as the method does. Ablations of it: equal_poses,
   /// where view consistency asks the canonical poses of a frame to be equal instead; equal_cameras, where camera
   /// consistency asks the relative rotations of two frames to be equal

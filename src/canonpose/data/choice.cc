@@ -1,4 +1,4 @@
-#include "canonpose/data/camera_choice.h"
+#include "canonpose/data/choice.h"
 
 #include <algorithm>
 #include <charconv>
@@ -10,11 +10,13 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/names.h"
 
 namespace canonpose {
 namespace {
 
-std::vector<std::string> SplitAtCommas(const std::string& text) {
+/// `what` is chosen, for the message.
+std::vector<std::string> SplitAtCommas(const std::string& text, const char* what) {
   std::vector<std::string> words(1);
   for (const char c : text) {
     if (c == ',') {
@@ -24,7 +26,7 @@ std::vector<std::string> SplitAtCommas(const std::string& text) {
     }
   }
   if (std::ranges::any_of(words, [](const std::string& word) { return word.empty(); })) {
-    ThrowUsage("cameras are chosen by name, A,B, or by their number; found '{}'", text);
+    ThrowUsage("{}; found '{}'", what, text);
   }
   return words;
 }
@@ -63,7 +65,7 @@ void KeepCameras(Dataset& dataset, const std::string& choice, const std::string&
     KeepFirst(dataset, *count, file);
     return;
   }
-  const std::vector<std::string> chosen = SplitAtCommas(choice);
+  const std::vector<std::string> chosen = SplitAtCommas(choice, "cameras are chosen by name, A,B, or by their number");
   for (const std::string& name : chosen) {
     if (known.contains(name)) continue;
     ThrowBadInput({file, "", fmt::format("a camera {}", name), fmt::format("{}", fmt::join(known, ", ")),
@@ -74,6 +76,20 @@ void KeepCameras(Dataset& dataset, const std::string& choice, const std::string&
                   [&](const CameraView& view) { return std::ranges::find(chosen, view.name) == chosen.end(); });
   }
   std::erase_if(dataset.sequences, [](const Sequence& sequence) { return sequence.cameras.empty(); });
+}
+
+void KeepSubjects(Dataset& dataset, const std::string& choice, const std::string& file) {
+  const std::vector<std::string> chosen = SplitAtCommas(choice, "subjects are chosen by name, A,B");
+  std::set<std::string> known;
+  for (const Sequence& sequence : dataset.sequences) known.insert(sequence.subject);
+  for (const std::string& name : chosen) {
+    if (std::ranges::any_of(known, [&](const std::string& one) { return SameName(one, name); })) continue;
+    ThrowBadInput({file, "", fmt::format("a subject {}", name), fmt::format("{}", fmt::join(known, ", ")),
+                   "choose subjects that are there"});
+  }
+  std::erase_if(dataset.sequences, [&](const Sequence& sequence) {
+    return std::ranges::none_of(chosen, [&](const std::string& name) { return SameName(name, sequence.subject); });
+  });
 }
 
 }  // namespace canonpose

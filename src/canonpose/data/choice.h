@@ -1,4 +1,4 @@
-// Some of the cameras of a dataset.
+// Some of the cameras or subjects of a dataset.
 #pragma once
 
 #include <string>
@@ -11,5 +11,9 @@ namespace canonpose {
 /// (unless a camera has that name). Sequences without any disappear. Throws Error(kUsage) where it is no choice,
 /// Error(kBadInput) naming `file` where a camera is in no sequence, or a sequence has fewer than N.
 void KeepCameras(Dataset& dataset, const std::string& choice, const std::string& file);
+
+/// Cuts a dataset down to the sequences of the subjects "A,B"; case does not matter. Throws Error(kUsage) where it is
+/// no choice, Error(kBadInput) naming `file` where one is not there.
+void KeepSubjects(Dataset& dataset, const std::string& choice, const std::string& file);
 
 }  // namespace canonpose

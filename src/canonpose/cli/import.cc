@@ -14,7 +14,6 @@
 #include "canonpose/base/log.h"
 #include "canonpose/cli/commands.h"
 #include "canonpose/data/dataset.h"
-#include "canonpose/data/readers/benchmarks/benchmark.h"
 #include "canonpose/data/readers/formats.h"
 #include "canonpose/model/pose_morph.h"
 
@@ -31,7 +30,6 @@ struct ImportArguments {
   std::string align = "order";
   std::string calibration;
   std::string morph;
-  std::string truth;
   std::string output;
   long seed = 0;
 };
@@ -102,43 +100,6 @@ void LogSummary(const Dataset& dataset, const std::string& output) {
           sequence.static_cameras ? "static" : "moving");
 }
 
-/// A benchmark's file says itself what a detector's has to be told; an option that would change nothing is a
-/// misunderstanding.
-void RefuseDetectorOptions(const CLI::App& command, const std::string& format) {
-  for (const char* option :
-       {"--layout", "--person", "--align", "--name", "--subject", "--capture", "--fps", "--moving"}) {
-    if (command.count(option) > 0) ThrowUsage("{} means nothing for {}: leave it out", option, format);
-  }
-}
-
-BenchmarkOptions ToBenchmarkOptions(const ImportArguments& arguments) {
-  BenchmarkOptions options;
-  options.format = arguments.options.format;
-  options.paths.assign(arguments.paths.begin(), arguments.paths.end());
-  options.calibration = arguments.calibration;
-  options.truth = arguments.truth;
-  options.skeleton = arguments.options.skeleton;
-  for (const std::string& text : arguments.cameras) {
-    const auto [name, path] = SplitNamed(text);
-    if (!name.empty()) ThrowUsage("--camera takes the name of a camera to keep here, not \"{}\"", text);
-    options.cameras.push_back(path);
-  }
-  if (arguments.image_sizes.size() > 1) ThrowUsage("--image-size: all cameras of {} have one", options.format);
-  for (const std::string& text : arguments.image_sizes) options.image_size = ParseImageSize(text);
-  return options;
-}
-
-void RunBenchmarkImport(const ImportArguments& arguments, const Benchmark& benchmark) {
-  const BenchmarkOptions options = ToBenchmarkOptions(arguments);
-  if (options.paths.empty()) ThrowUsage("import {}: give {}", benchmark.name, benchmark.help);
-  { const AtomicFile probe(arguments.output); }
-  BenchmarkData data = benchmark.read(options);
-  if (!arguments.morph.empty()) PoseMorph::Open(arguments.morph).Apply(data.dataset, arguments.output);
-  WriteDataset(arguments.output, data.dataset);
-  for (const std::string& line : data.findings) LogInfo("{}", line);
-  for (const std::string& line : data.warnings) LogWarning("{}", line);
-}
-
 void RunImport(const ImportArguments& arguments) {
   const ImportOptions options = ToOptions(arguments);
   options.Validate();
@@ -158,10 +119,7 @@ void AddImportCommand(CLI::App& app) {
   ImportOptions& options = arguments->options;
   CLI::App* command =
       app.add_subcommand("import", "Make a dataset from a detector's 2D keypoints of at least two cameras");
-  command
-      ->add_option(
-          "format", options.format,
-          fmt::format("A detector's files: {}; or a benchmark's: {}", DetectionFormatNames(), BenchmarkNames()))
+  command->add_option("format", options.format, "The detector's files: " + DetectionFormatNames())
       ->required()
       ->type_name("FORMAT");
   command->add_option("path", arguments->paths, "A folder or file for each camera, or a folder that holds those")
@@ -207,16 +165,7 @@ void AddImportCommand(CLI::App& app) {
   command->add_option("--fps", options.fps, "Frames a second")->type_name("FPS");
   command->add_flag("--moving", options.moving_cameras, "The cameras move");
   command->add_option("--seed", arguments->seed, "Taken by all commands; importing draws no random numbers");
-  command->add_option("--truth", arguments->truth, "Of benchmarks with several truths: annot3 or univ_annot3")
-      ->type_name("NAME");
-  command->callback([arguments, command] {
-    if (const Benchmark* benchmark = FindBenchmark(arguments->options.format)) {
-      RefuseDetectorOptions(*command, benchmark->name);
-      return RunBenchmarkImport(*arguments, *benchmark);
-    }
-    if (!arguments->truth.empty()) ThrowUsage("--truth is for benchmarks: leave it out");
-    RunImport(*arguments);
-  });
+  command->callback([arguments] { RunImport(*arguments); });
 }
 
 }  // namespace canonpose

@@ -59,6 +59,7 @@ hid_t MemoryType() {
   if constexpr (std::is_same_v<T, float>) return H5T_NATIVE_FLOAT;
   if constexpr (std::is_same_v<T, double>) return H5T_NATIVE_DOUBLE;
   if constexpr (std::is_same_v<T, std::int64_t>) return H5T_NATIVE_INT64;
+  if constexpr (std::is_same_v<T, std::uint8_t>) return H5T_NATIVE_UINT8;
 }
 
 std::vector<std::size_t> ShapeOf(hid_t space) {
@@ -363,6 +364,8 @@ void Group::Write(const std::string& name, std::span<const T> values, const std:
 }
 template void Group::Write<float>(const std::string&, std::span<const float>, const std::vector<std::size_t>&);
 template void Group::Write<double>(const std::string&, std::span<const double>, const std::vector<std::size_t>&);
+template void Group::Write<std::uint8_t>(const std::string&, std::span<const std::uint8_t>,
+                                         const std::vector<std::size_t>&);
 template void Group::Write<std::int64_t>(const std::string&, std::span<const std::int64_t>,
                                          const std::vector<std::size_t>&);
 

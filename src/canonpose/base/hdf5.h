@@ -56,7 +56,8 @@ class Group {
   void SetInt(const std::string& name, std::int64_t value);
   void SetInts(const std::string& name, const std::vector<std::int64_t>& values);
   void SetDouble(const std::string& name, double value);
-  /// Writes a new array with a checksum, so that a damaged file is noticed when it is read.
+  /// T is float, double, std::int64_t or std::uint8_t. Writes a new array with a checksum, so that a damaged file is
+  /// noticed when it is read.
   template <typename T>
   void Write(const std::string& name, std::span<const T> values, const std::vector<std::size_t>& shape);
 

@@ -50,6 +50,8 @@ void PrintDataset(const Dataset& dataset) {
     fmt::print("sequence     {}: subject {}, {} frames{}, {} cameras, capture {}\n", sequence.name, sequence.subject,
                sequence.frame_count, sequence.fps > 0 ? fmt::format(" at {:g}/s", sequence.fps) : "",
                sequence.static_cameras ? "static" : "moving", sequence.capture);
+    if (!sequence.actions.empty()) fmt::print("  actions    {}\n", fmt::join(sequence.actions, ", "));
+    if (!sequence.truth_kind.empty()) fmt::print("  truth      {}\n", sequence.truth_kind);
     for (const CameraView& view : sequence.cameras) {
       fmt::print("  camera     {}: {}x{} px, {:.1f} % of joints seen{}{}{}\n", view.name, view.image_size[0],
                  view.image_size[1], SeenPercent(view), view.truth.empty() ? "" : ", truth",

@@ -48,11 +48,10 @@ struct Sequence {
   std::string capture;  ///< sequences with the same capture share their cameras; never empty
   int frame_count = 0;
   std::vector<CameraView> cameras;
-  bool capture_is_named = true;           ///< false where the file names none: then no other file's cameras are meant
-  std::vector<std::string> actions = {};  ///< what is done in it; empty where unknown
-  std::vector<std::uint8_t> action = {};  ///< (T) which of them in each frame; empty: the first in all
-  /// Which of a benchmark's poses `truth` is ("annot3", "univ_annot3" of MPI-INF-3DHP); empty where there is only one.
-  std::string truth_kind = {};
+  bool capture_is_named = true;        ///< false where the file names none: then no other file's cameras are meant
+  std::vector<std::string> actions{};  ///< what the person does, for protocols that tell by it; empty where unknown
+  std::vector<std::uint8_t> action{};  ///< (T) index into `actions`; empty: all frames are the first one
+  std::string truth_kind{};            ///< which of a benchmark's annotations `truth` is, "univ_annot3"; may be empty
 };
 
 /// Where the keypoints came from, so that a model can read the same kind of file later. Empty for files of other

@@ -1,4 +1,5 @@
 // The dataset file: groups, attributes and arrays as README.md lays them out.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -137,8 +138,11 @@ std::vector<Camera> ReadCalibration(const h5::Group& group, int frame_count, con
   const std::vector<double> R = ReadCalibrationArray(group, R_name, {3, 3}, frame_count, &r_rows);
   const std::vector<double> t = ReadCalibrationArray(group, t_name, {3}, frame_count, &t_rows);
   std::vector<double> distortion(4, 0.0);
+  std::size_t coefficients = 4;
   if (group.Has(distortion_name)) {
-    distortion = ReadCalibrationArray(group, distortion_name, {4}, frame_count, &distortion_rows);
+    const std::vector<std::size_t> shape = group.Shape(distortion_name);
+    if (!shape.empty() && shape.back() == 5) coefficients = 5;
+    distortion = ReadCalibrationArray(group, distortion_name, {coefficients}, frame_count, &distortion_rows);
   }
   using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   std::vector<Camera> cameras(std::max({k_rows, r_rows, t_rows, distortion_rows}));
@@ -147,7 +151,7 @@ std::vector<Camera> ReadCalibration(const h5::Group& group, int frame_count, con
     cameras[i].K = Eigen::Map<const RowMajor>(&K[9 * row(k_rows, i)]);
     cameras[i].camera_from_world_rotation = Eigen::Map<const RowMajor>(&R[9 * row(r_rows, i)]);
     cameras[i].camera_from_world_translation_mm = Eigen::Map<const Eigen::Vector3d>(&t[3 * row(t_rows, i)]);
-    std::copy_n(&distortion[4 * row(distortion_rows, i)], 4, cameras[i].distortion.begin());
+    std::copy_n(&distortion[coefficients * row(distortion_rows, i)], coefficients, cameras[i].distortion.begin());
     CheckCamera(group, cameras[i], prefix);
   }
   return cameras;
@@ -201,20 +205,18 @@ std::string DefaultCapture(const Sequence& sequence) {
 }
 
 void ReadActions(const h5::Group& group, Sequence& sequence) {
-  if (group.HasAttribute("truth_kind")) sequence.truth_kind = group.GetString("truth_kind");
   if (group.HasAttribute("actions")) sequence.actions = group.GetStrings("actions");
   if (!group.Has("action")) return;
-  const h5::Array<std::int64_t> action = group.Read<std::int64_t>("action");
-  if (action.shape != std::vector<std::size_t>{static_cast<std::size_t>(sequence.frame_count)}) {
-    group.Fail("action", fmt::format("shape ({}) = frames", sequence.frame_count), h5::FormatShape(action.shape), "");
+  const auto frames = static_cast<std::size_t>(sequence.frame_count);
+  if (group.Shape("action") != std::vector{frames}) {
+    group.Fail("action", fmt::format("shape ({}) = frames", frames), h5::FormatShape(group.Shape("action")), "");
   }
-  const auto count = static_cast<std::int64_t>(sequence.actions.size());
-  for (const std::int64_t value : action.values) {
-    if (value < 0 || value >= count || value > UINT8_MAX) {
-      group.Fail("action", fmt::format("numbers from 0 to {}, of the attribute actions", count - 1),
-                 fmt::format("{}", value), "");
+  for (const std::int64_t action : group.Read<std::int64_t>("action").values) {
+    if (action < 0 || action >= std::ssize(sequence.actions)) {
+      group.Fail("action", fmt::format("places in the attribute actions, which has {}", sequence.actions.size()),
+                 fmt::format("{}", action), "");
     }
-    sequence.action.push_back(static_cast<std::uint8_t>(value));
+    sequence.action.push_back(static_cast<std::uint8_t>(action));
   }
 }
 
@@ -244,6 +246,7 @@ Sequence ReadSequence(const h5::Group& group, const std::string& name, const Ske
   if (sequence.cameras.empty()) group.Fail("cameras", "at least one camera", "none", "");
   sequence.frame_count = frame_count;
   ReadActions(group, sequence);
+  if (group.HasAttribute("truth_kind")) sequence.truth_kind = group.GetString("truth_kind");
   return sequence;
 }
 
@@ -302,6 +305,10 @@ void WriteCalibration(h5::Group& group, const std::vector<Camera>& cameras, cons
   std::vector<double> distortion;
   bool same_K = true;
   bool same_distortion = true;
+  // Four, as readers of the first files know them, unless there is a fifth.
+  const bool has_k3 =
+      std::any_of(cameras.begin(), cameras.end(), [](const Camera& c) { return c.distortion[4] != 0.0; });
+  const std::size_t coefficients = has_k3 ? 5 : 4;
   for (const Camera& camera : cameras) {
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) {
@@ -310,18 +317,19 @@ void WriteCalibration(h5::Group& group, const std::vector<Camera>& cameras, cons
       }
       t.push_back(camera.camera_from_world_translation_mm[r]);
     }
-    distortion.insert(distortion.end(), camera.distortion.begin(), camera.distortion.end());
+    distortion.insert(distortion.end(), camera.distortion.begin(),
+                      camera.distortion.begin() + static_cast<std::ptrdiff_t>(coefficients));
     same_K &= camera.K == cameras.front().K;
     same_distortion &= camera.distortion == cameras.front().distortion;
   }
   const std::size_t K_rows = same_K ? 1 : cameras.size();
   const std::size_t distortion_rows = same_distortion ? 1 : cameras.size();
   K.resize(9 * K_rows);
-  distortion.resize(4 * distortion_rows);
+  distortion.resize(coefficients * distortion_rows);
   Write(group, prefix + "K", K, WithRows(K_rows, {3, 3}));
   Write(group, prefix + "R", R, WithRows(cameras.size(), {3, 3}));
   Write(group, prefix + "t", t, WithRows(cameras.size(), {3}));
-  Write(group, prefix + "distortion", distortion, WithRows(distortion_rows, {4}));
+  Write(group, prefix + "distortion", distortion, WithRows(distortion_rows, {coefficients}));
 }
 
 /// Names become groups of the file, so some cannot be used.
@@ -400,16 +408,17 @@ void DatasetWriter::Add(const Sequence& sequence) {
   group.SetInt("static_cameras", sequence.static_cameras ? 1 : 0);
   // A default written out would read as a name that other files can share.
   if (sequence.capture_is_named && !sequence.capture.empty()) group.SetString("capture", sequence.capture);
-  if (!sequence.truth_kind.empty()) group.SetString("truth_kind", sequence.truth_kind);
   if (!sequence.actions.empty()) group.SetStrings("actions", sequence.actions);
-  if (!sequence.action.empty()) {
-    const std::vector<std::int64_t> action(sequence.action.begin(), sequence.action.end());
-    Write(group, "action", action, {action.size()});
-  }
+  if (!sequence.truth_kind.empty()) group.SetString("truth_kind", sequence.truth_kind);
   h5::Group cameras = group.Create("cameras");
 
   const auto frames = static_cast<std::size_t>(sequence.frame_count);
   const std::size_t joints = state_->skeleton.joints.size();
+  if (!sequence.action.empty()) {
+    CANONPOSE_CHECK(sequence.action.size() == frames && sequence.actions.size() <= 256, "{} actions for {} frames",
+                    sequence.action.size(), frames);
+    Write(group, "action", sequence.action, {frames});
+  }
   for (CameraView view : sequence.cameras) {
     CheckName(state_->path, view.name, "camera");
     CANONPOSE_CHECK(view.keypoints.size() == frames * joints * 2 && view.confidence.size() == frames * joints,

@@ -50,6 +50,11 @@ Dataset Sample() {
   fixed.K << 1000.5, 0.1, 960, 0, 1001, 540, 0, 0, 1;
   fixed.distortion = {0.1, 0.2, 0.3, 0.4};
   walk.cameras[0].calibration = {fixed};
+  walk.cameras[1].calibration = {fixed};
+  walk.cameras[1].calibration[0].distortion[4] = 0.5;
+  walk.actions = {"Walking", "Sitting / waiting"};
+  walk.action = {0, 0, 1, 1};
+  walk.truth_kind = "univ_annot3";
   Sequence run{"run", "S1", 25.0, false, "run", 2, {ViewOf("c1", 2)}};
   run.cameras[0].truth.clear();
   run.cameras[0].solved.assign(18, 1.5F);
@@ -215,6 +220,7 @@ TEST(DatasetTest, KeepFramesCutsEveryArray) {
   EXPECT_EQ(dataset.sequences[1].cameras[1].keypoints.front(), 3.0F);
   EXPECT_EQ(dataset.sequences[1].cameras[1].confidence.size(), 6U);
   EXPECT_EQ(dataset.sequences[1].cameras[1].truth.back(), 82.0F);
+  EXPECT_EQ(dataset.sequences[1].action, (std::vector<std::uint8_t>{0, 1}));
   KeepFrames(dataset, {1, 1}, "a.h5");
   EXPECT_EQ(dataset.sequences.size(), 1U);
   EXPECT_THAT(ErrorOf(ExitCode::kBadInput,
@@ -222,6 +228,15 @@ TEST(DatasetTest, KeepFramesCutsEveryArray) {
                         KeepFrames(dataset, {7, 9}, "a.h5");
                       }),
               AllOf(HasSubstr("a.h5"), HasSubstr("frames from 7 on")));
+}
+
+TEST(DatasetTest, ActionsMustBeNamed) {
+  const TemporaryFolder folder;
+  Dataset dataset = Sample();
+  dataset.sequences[1].action[2] = 2;
+  WriteDataset(folder / "a.h5", dataset);
+  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadDataset(folder / "a.h5"); }),
+              AllOf(HasSubstr("/sequences/walk/action"), HasSubstr("actions, which has 2, found 2")));
 }
 
 TEST(DatasetTest, FrameRangesParse) {

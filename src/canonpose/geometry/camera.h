@@ -12,7 +12,7 @@ struct Camera {
   Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
   Eigen::Matrix3d camera_from_world_rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d camera_from_world_translation_mm = Eigen::Vector3d::Zero();
-  std::array<double, 4> distortion{0.0, 0.0, 0.0, 0.0};  ///< k1, k2, p1, p2
+  std::array<double, 5> distortion{0.0, 0.0, 0.0, 0.0, 0.0};  ///< k1, k2, p1, p2, k3 (OpenCV's order)
 
   [[nodiscard]] Eigen::Vector3d InCamera(const Eigen::Vector3d& point_in_world_mm) const {
     return camera_from_world_rotation * point_in_world_mm + camera_from_world_translation_mm;
@@ -24,7 +24,7 @@ struct Camera {
   [[nodiscard]] Eigen::Vector2d Undistort(const Eigen::Vector2d& pixel) const;
 };
 
-/// x, y after distortion of normalised image coordinates, by OpenCV's formula with k1, k2, p1, p2.
-Eigen::Vector2d Distort(const Eigen::Vector2d& normalised, const std::array<double, 4>& distortion);
+/// x, y after distortion of normalised image coordinates, by OpenCV's formula with k1, k2, p1, p2, k3.
+Eigen::Vector2d Distort(const Eigen::Vector2d& normalised, const std::array<double, 5>& distortion);
 
 }  // namespace canonpose

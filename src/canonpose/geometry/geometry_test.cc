@@ -73,6 +73,17 @@ TEST(CameraTest, UndistortIsNaNWhereDistortionHasNoInverse) {
   EXPECT_TRUE(camera.Undistort({0.3, 0.0}).allFinite());
 }
 
+TEST(CameraTest, ThirdRadialCoefficient) {
+  EXPECT_NEAR(Distort({0.5, 0.0}, {0.1, 0.2, 0.0, 0.0, 0.4}).x(), 0.5 * (1 + 0.1 / 4 + 0.2 / 16 + 0.4 / 64), 1e-15);
+  Camera camera;
+  camera.distortion = {-0.2, 0.3, 0.001, 0.002, -0.15};
+  const Eigen::Vector2d seen = camera.Project({300.0, -400.0, 1000.0});
+  EXPECT_LT((camera.Undistort(seen) - Eigen::Vector2d(0.3, -0.4)).norm(), 1e-9);
+  // r (1 - 0.2 u + 0.3 u^2 - 0.15 u^3) turns back where 1 - 0.6 u + 1.5 u^2 - 1.05 u^3 is 0, at r = 1.2157.
+  EXPECT_TRUE(camera.Project({1200.0, 0.0, 1000.0}).allFinite());
+  EXPECT_TRUE(std::isnan(camera.Project({1220.0, 0.0, 1000.0}).x()));
+}
+
 TEST(AlignmentTest, ScaleByHand) {
   Points3d from(2, 3);
   from << 1, 0, 0, 0, 2, 0;

@@ -150,7 +150,8 @@ FilmingCamera ReadCamera(const JsonValue& value) {
   }
   if (const std::optional<JsonValue> distortion = value.Find("distortion")) {
     const std::vector<double> numbers = distortion->Numbers();
-    if (numbers.size() != 4) distortion->Fail("4 values (k1, k2, p1, p2)", "", fmt::format("{}", numbers.size()));
+    if (numbers.size() != 4 && numbers.size() != 5)
+      distortion->Fail("4 or 5 values (k1, k2, p1, p2, k3)", "", fmt::format("{}", numbers.size()));
     for (Camera& camera : filming.cameras) std::copy(numbers.begin(), numbers.end(), camera.distortion.begin());
   }
   return filming;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <span>
 #include <thread>
 #include <utility>
 
@@ -59,7 +60,8 @@ std::string CaptureName(const std::string& subject, const std::vector<FilmingCam
     add(camera.K.reshaped());
     add(camera.camera_from_world_rotation.reshaped());
     add(camera.camera_from_world_translation_mm);
-    add(camera.distortion);
+    // k3 was added later: cameras without it keep the names that they had.
+    add(std::span(camera.distortion).first(camera.distortion[4] != 0.0 ? 5 : 4));
   }
   return fmt::format("{}-{:016x}", subject, fingerprint.value());
 }

@@ -1,5 +1,7 @@
 #include "canonpose/data/readers/calibration.h"
 
+#include <algorithm>
+
 #include <Eigen/LU>
 #include <fmt/format.h>
 
@@ -55,8 +57,8 @@ CalibratedCamera ReadCamera(const JsonValue& value, double mm_per_unit) {
       mm_per_unit * Eigen::Vector3d(translation[0], translation[1], translation[2]);
   if (const std::optional<JsonValue> distortion = value.Find("distortion")) {
     const std::vector<double> numbers = distortion->Numbers();
-    if (numbers.size() != 4) distortion->Fail("4 values (k1, k2, p1, p2)");
-    for (std::size_t i = 0; i < 4; ++i) camera.distortion[i] = numbers[i];
+    if (numbers.size() != 4 && numbers.size() != 5) distortion->Fail("4 or 5 values (k1, k2, p1, p2, k3)");
+    std::copy(numbers.begin(), numbers.end(), camera.distortion.begin());
   }
   if (const std::optional<JsonValue> size = value.Find("image_size")) calibrated.image_size = ImageSize(*size);
   return calibrated;

@@ -14,6 +14,7 @@
 #include "canonpose/base/log.h"
 #include "canonpose/cli/commands.h"
 #include "canonpose/data/dataset.h"
+#include "canonpose/data/readers/benchmarks/benchmark.h"
 #include "canonpose/data/readers/formats.h"
 #include "canonpose/model/pose_morph.h"
 
@@ -30,6 +31,9 @@ struct ImportArguments {
   std::string align = "order";
   std::string calibration;
   std::string morph;
+  std::string skeleton;  // empty: the format's usual one
+  std::string truth;
+  std::vector<std::string> chosen_cameras;
   std::string output;
   long seed = 0;
 };
@@ -71,11 +75,35 @@ ImportOptions ToOptions(const ImportArguments& arguments) {
     (name.empty() ? options.person : options.camera_person[name]) = ParsePerson(number);
   }
   options.calibration = arguments.calibration;
+  if (!arguments.skeleton.empty()) options.skeleton = arguments.skeleton;
   options.alignment = arguments.align == "frame-number" ? FrameAlignment::kFrameNumber : FrameAlignment::kOrder;
   if (options.name.empty()) {
     options.name = std::filesystem::path(arguments.output).stem().string();
     if (options.name.empty() || options.name.front() == '.') options.name = "clip";
   }
+  return options;
+}
+
+/// Options that one kind of format understands and the other does not are told rather than ignored.
+void RefuseOptions(const CLI::App& command, const std::vector<const char*>& options, const std::string& format) {
+  for (const char* const option : options) {
+    if (command.count(option) > 0) ThrowUsage("{} has no meaning for {}", option, format);
+  }
+}
+
+BenchmarkOptions ToBenchmarkOptions(const ImportArguments& arguments, const CLI::App& command) {
+  const std::string& format = arguments.options.format;
+  RefuseOptions(command, {"--camera", "--person", "--align", "--name", "--subject", "--capture", "--moving"}, format);
+  BenchmarkOptions options;
+  options.format = format;
+  options.paths.assign(arguments.paths.begin(), arguments.paths.end());
+  options.calibration = arguments.calibration;
+  options.skeleton = arguments.skeleton;
+  options.layout = arguments.options.layout;
+  options.truth = arguments.truth;
+  options.cameras = arguments.chosen_cameras;
+  options.fps = arguments.options.fps;
+  for (const std::string& size : arguments.image_sizes) options.image_size = ParseImageSize(size);
   return options;
 }
 
@@ -100,7 +128,22 @@ void LogSummary(const Dataset& dataset, const std::string& output) {
           sequence.static_cameras ? "static" : "moving");
 }
 
-void RunImport(const ImportArguments& arguments) {
+void RunBenchmarkImport(const ImportArguments& arguments, const CLI::App& command) {
+  const BenchmarkOptions options = ToBenchmarkOptions(arguments, command);
+  options.Validate();
+  { const AtomicFile probe(arguments.output); }
+  Dataset dataset = ImportBenchmark(options);
+  if (!arguments.morph.empty()) PoseMorph::Open(arguments.morph).Apply(dataset, arguments.output);
+  WriteDataset(arguments.output, dataset);
+  LogInfo("{}: {} sequences; {}, {}", arguments.output, dataset.sequences.size(),
+          dataset.HasTruth() ? "with truth" : "without truth",
+          dataset.HasCalibration() ? "with calibrated cameras" : "without calibration");
+}
+
+void RunImport(const ImportArguments& arguments, const CLI::App& command) {
+  const std::string& format = arguments.options.format;
+  if (FindBenchmarkFormat(format) != nullptr) return RunBenchmarkImport(arguments, command);
+  RefuseOptions(command, {"--truth", "--cameras"}, format + ", which is no benchmark");
   const ImportOptions options = ToOptions(arguments);
   options.Validate();
   // A place that cannot be written is told before reading, which may take minutes.
@@ -117,12 +160,16 @@ void AddImportCommand(CLI::App& app) {
   auto arguments = std::make_shared<ImportArguments>();
   arguments->options.name.clear();
   ImportOptions& options = arguments->options;
-  CLI::App* command =
-      app.add_subcommand("import", "Make a dataset from a detector's 2D keypoints of at least two cameras");
-  command->add_option("format", options.format, "The detector's files: " + DetectionFormatNames())
+  CLI::App* command = app.add_subcommand(
+      "import", "Make a dataset from a detector's 2D keypoints of at least two cameras, or from a benchmark's files");
+  command
+      ->add_option("format", options.format,
+                   "The detector's files: " + DetectionFormatNames() + "; or a benchmark's: " + BenchmarkFormatNames())
       ->required()
       ->type_name("FORMAT");
-  command->add_option("path", arguments->paths, "A folder or file for each camera, or a folder that holds those")
+  command
+      ->add_option("path", arguments->paths,
+                   "A folder or file for each camera, or a folder that holds those; of a benchmark its files")
       ->type_name("PATH");
   command->add_option("-o,--output", arguments->output, "The dataset to write")->required()->type_name("FILE");
   command->add_option("--camera", arguments->cameras, "A camera under a name of your choice; may be repeated")
@@ -133,20 +180,37 @@ void AddImportCommand(CLI::App& app) {
       ->type_name("[NAME=]WxH")
       ->allow_extra_args(false);
   command
-      ->add_option("--calibration", arguments->calibration,
-                   "Calibration as JSON; for evaluation only, training does not use it")
+      ->add_option(
+          "--calibration", arguments->calibration,
+          "Calibration as JSON (3dhp-train: camera.calibration); for evaluation only, training does not use it")
       ->type_name("FILE");
   command
-      ->add_option("--layout", options.layout,
-                   "The detector's layout; by default told by the number of keypoints and anatomy")
+      ->add_option(
+          "--layout", options.layout,
+          "The detector's layout; by default told by the number of keypoints and anatomy. canonpose-detections: "
+          "canonpose-16 (default) or mpii-16")
+      ->type_name("NAME");
+  command
+      ->add_option(
+          "--skeleton", arguments->skeleton,
+          "The skeleton to map to, or native for the detector's or benchmark's own joints (default: h36m-17, of "
+          "canonpose-detections its own)")
+      ->type_name("NAME");
+  command
+      ->add_option("--cameras", arguments->chosen_cameras,
+                   "Of a benchmark, the cameras to keep, as 0,2,4,7,8 (default: all)")
+      ->type_name("NAME,...")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command
+      ->add_option("--truth", arguments->truth,
+                   "Which poses of MPI-INF-3DHP are the truth: annot3, as they were (default of 3dhp-train), or "
+                   "univ_annot3, scaled to one height, which published results compare with (default of 3dhp-test)")
       ->type_name("NAME");
   command
       ->add_option("--morph", arguments->morph,
                    "Move the joints by this morphing network (train-morph), onto another skeleton's")
       ->type_name("RUN");
-  command->add_option("--skeleton", options.skeleton, "The skeleton to map to, or native for the detector's own joints")
-      ->type_name("NAME")
-      ->capture_default_str();
   command
       ->add_option("--person", arguments->people,
                    "Whom to follow where several are seen: 1 is the most prominent (default)")
@@ -165,7 +229,7 @@ void AddImportCommand(CLI::App& app) {
   command->add_option("--fps", options.fps, "Frames a second")->type_name("FPS");
   command->add_flag("--moving", options.moving_cameras, "The cameras move");
   command->add_option("--seed", arguments->seed, "Taken by all commands; importing draws no random numbers");
-  command->callback([arguments] { RunImport(*arguments); });
+  command->callback([arguments, command] { RunImport(*arguments, *command); });
 }
 
 }  // namespace canonpose

@@ -68,9 +68,6 @@ Dataset Sample() {
     moving.camera_from_world_translation_mm = {1.0 * frame, 2.0, 3.0};
     run.cameras[0].calibration.push_back(moving);
   }
-  walk.actions = {"Walking", "Turning"};
-  walk.action = {0, 1, 1, 0};
-  walk.truth_kind = "annot3";
   dataset.sequences = {run, walk};  // in the order of the file, which is alphabetical
   return dataset;
 }

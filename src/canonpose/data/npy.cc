@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/data/utf8.h"
 
 namespace canonpose::npy {
 namespace {
@@ -120,44 +121,6 @@ std::vector<T> ToRowMajor(const std::vector<T>& values, const std::vector<std::s
   return result;
 }
 
-void AppendUtf8(char32_t character, std::string& text) {
-  const auto byte = [&](char32_t value) { text += static_cast<char>(value); };
-  if (character < 0x80) {
-    byte(character);
-  } else if (character < 0x800) {
-    byte(0xC0 | character >> 6);
-    byte(0x80 | (character & 0x3F));
-  } else if (character < 0x10000) {
-    byte(0xE0 | character >> 12);
-    byte(0x80 | (character >> 6 & 0x3F));
-    byte(0x80 | (character & 0x3F));
-  } else {
-    byte(0xF0 | (character >> 18 & 0x07));
-    byte(0x80 | (character >> 12 & 0x3F));
-    byte(0x80 | (character >> 6 & 0x3F));
-    byte(0x80 | (character & 0x3F));
-  }
-}
-
-/// Bytes that are no UTF-8 become U+FFFD.
-std::u32string FromUtf8(const std::string& text) {
-  constexpr char32_t kReplacement = 0xFFFD;
-  std::u32string characters;
-  for (std::size_t i = 0; i < text.size();) {
-    const auto lead = static_cast<unsigned char>(text[i++]);
-    const std::size_t more =
-        lead < 0x80 ? 0 : std::size_t{lead >= 0xC0} + std::size_t{lead >= 0xE0} + std::size_t{lead >= 0xF0};
-    if (lead >= 0x80 && (more == 0 || i + more > text.size())) {
-      characters += kReplacement;
-      continue;
-    }
-    char32_t character = more == 0 ? lead : lead & (0x3F >> more);
-    for (std::size_t k = 0; k < more; ++k) character = character << 6 | (static_cast<unsigned char>(text[i++]) & 0x3F);
-    characters += character;
-  }
-  return characters;
-}
-
 std::vector<std::string> DecodeTexts(const char* data, std::size_t count, std::size_t width, bool wide) {
   std::vector<std::string> texts(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -258,6 +221,15 @@ NpyArray Parse(const std::string& bytes, const std::string& file, const std::str
                "convert it with astype('float32') before saving");
   }
   return array;
+}
+
+std::string ParsePickle(const std::string& bytes, const std::string& file, const std::string& name) {
+  const Place place{file, name};
+  const Header header = ParseHeader(bytes, place);
+  if (header.descr.find('O') == std::string::npos) {
+    place.Fail("Python objects", fmt::format("an array of '{}'", header.descr));
+  }
+  return bytes.substr(header.data_offset);
 }
 
 }  // namespace canonpose::npy

@@ -18,4 +18,7 @@ std::string EncodeTexts(const std::vector<std::string>& texts, std::size_t* widt
 /// The array in `bytes`. Throws Error(kBadInput) naming `file` and `name`.
 NpyArray Parse(const std::string& bytes, const std::string& file, const std::string& name);
 
+/// The pickle that stands in `bytes` for an array of Python objects. Throws Error(kBadInput) where it is another array.
+std::string ParsePickle(const std::string& bytes, const std::string& file, const std::string& name);
+
 }  // namespace canonpose::npy

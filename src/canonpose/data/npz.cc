@@ -75,7 +75,7 @@ bool NpzReader::Has(const std::string& name) const {
   return std::find(state_->names.begin(), state_->names.end(), name) != state_->names.end();
 }
 
-NpyArray NpzReader::Read(const std::string& name) const {
+std::string NpzReader::ReadBytes(const std::string& name) const {
   if (!Has(name)) {
     ThrowBadInput({state_->file, "", "an array " + name,
                    state_->names.empty() ? "no arrays" : fmt::format("{}", fmt::join(state_->names, ", ")), ""});
@@ -94,7 +94,13 @@ NpyArray NpzReader::Read(const std::string& name) const {
     ThrowBadInput({state_->file, "array " + name, "readable data", "damaged data",
                    "restore the file from a copy or make it again"});
   }
-  return npy::Parse(bytes, state_->file, name);
+  return bytes;
+}
+
+NpyArray NpzReader::Read(const std::string& name) const { return npy::Parse(ReadBytes(name), state_->file, name); }
+
+std::string NpzReader::ReadPickle(const std::string& name) const {
+  return npy::ParsePickle(ReadBytes(name), state_->file, name);
 }
 
 std::vector<float> NpzReader::ReadFloats(const std::string& name, std::vector<std::size_t>* shape) const {

@@ -22,7 +22,8 @@ struct NpyArray {
 };
 
 /// Reads arrays one by one; others, of whatever type, are left alone. Every function throws Error(kBadInput) that names
-/// file and array. Pickled object arrays are refused: reading one can execute code.
+/// file and array. Loading a pickled array in Python can execute code;
+/// here it cannot.
 class NpzReader {
  public:
   explicit NpzReader(const std::filesystem::path& path);
@@ -37,10 +38,14 @@ class NpzReader {
   [[nodiscard]] NpyArray Read(const std::string& name) const;
   /// Any of the numbers, as float; `shape` is filled in.
   [[nodiscard]] std::vector<float> ReadFloats(const std::string& name, std::vector<std::size_t>* shape) const;
+  /// The pickle of an array of Python objects, for pickle::Decode(); Read() refuses those.
+  [[nodiscard]] std::string ReadPickle(const std::string& name) const;
   /// Text of any shape, flat.
   [[nodiscard]] std::vector<std::string> ReadStrings(const std::string& name) const;
 
  private:
+  [[nodiscard]] std::string ReadBytes(const std::string& name) const;
+
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -23,9 +23,11 @@ struct NamedJoint {
   const char* parent;
 };
 
-/// The left-right partner of a built-in joint is the one whose name differs in the leading letter alone.
+/// The left-right partner of a built-in joint is the one whose name differs in the leading letter or word alone.
 int MirrorOf(const Skeleton& skeleton, int joint) {
   std::string partner = skeleton.joints[static_cast<std::size_t>(joint)];
+  if (partner.starts_with("left_")) return skeleton.Find("right_" + partner.substr(5)).value_or(joint);
+  if (partner.starts_with("right_")) return skeleton.Find("left_" + partner.substr(6)).value_or(joint);
   static constexpr std::string_view kSides = "LRlr";
   static constexpr std::string_view kPartners = "RLrl";
   const std::size_t side = kSides.find(partner.front());
@@ -167,6 +169,76 @@ Skeleton MakeHalpe26() {
   return MakeSkeleton("halpe-26", joints);
 }
 
+Skeleton MakeMpi28() {
+  return MakeSkeleton("3dhp-28", {{"spine3", "spine2"},
+                                  {"spine4", "spine3"},
+                                  {"spine2", "spine"},
+                                  {"spine", "pelvis"},
+                                  {"pelvis", ""},
+                                  {"neck", "spine4"},
+                                  {"head", "neck"},
+                                  {"head_top", "head"},
+                                  {"left_clavicle", "spine4"},
+                                  {"left_shoulder", "left_clavicle"},
+                                  {"left_elbow", "left_shoulder"},
+                                  {"left_wrist", "left_elbow"},
+                                  {"left_hand", "left_wrist"},
+                                  {"right_clavicle", "spine4"},
+                                  {"right_shoulder", "right_clavicle"},
+                                  {"right_elbow", "right_shoulder"},
+                                  {"right_wrist", "right_elbow"},
+                                  {"right_hand", "right_wrist"},
+                                  {"left_hip", "pelvis"},
+                                  {"left_knee", "left_hip"},
+                                  {"left_ankle", "left_knee"},
+                                  {"left_foot", "left_ankle"},
+                                  {"left_toe", "left_foot"},
+                                  {"right_hip", "pelvis"},
+                                  {"right_knee", "right_hip"},
+                                  {"right_ankle", "right_knee"},
+                                  {"right_foot", "right_ankle"},
+                                  {"right_toe", "right_foot"}});
+}
+
+Skeleton MakeMpi17() {
+  return MakeSkeleton("3dhp-17", {{"head_top", "head"},
+                                  {"neck", "spine"},
+                                  {"right_shoulder", "neck"},
+                                  {"right_elbow", "right_shoulder"},
+                                  {"right_wrist", "right_elbow"},
+                                  {"left_shoulder", "neck"},
+                                  {"left_elbow", "left_shoulder"},
+                                  {"left_wrist", "left_elbow"},
+                                  {"right_hip", "pelvis"},
+                                  {"right_knee", "right_hip"},
+                                  {"right_ankle", "right_knee"},
+                                  {"left_hip", "pelvis"},
+                                  {"left_knee", "left_hip"},
+                                  {"left_ankle", "left_knee"},
+                                  {"pelvis", ""},
+                                  {"spine", "pelvis"},
+                                  {"head", "neck"}});
+}
+
+Skeleton MakeMpii16() {
+  return MakeSkeleton("mpii-16", {{"rankle", "rknee"},
+                                  {"rknee", "rhip"},
+                                  {"rhip", "pelvis"},
+                                  {"lhip", "pelvis"},
+                                  {"lknee", "lhip"},
+                                  {"lankle", "lknee"},
+                                  {"pelvis", ""},
+                                  {"neck", "pelvis"},
+                                  {"nose", "neck"},
+                                  {"top_head", "nose"},
+                                  {"rwrist", "relbow"},
+                                  {"relbow", "rshoulder"},
+                                  {"rshoulder", "neck"},
+                                  {"lshoulder", "neck"},
+                                  {"lelbow", "lshoulder"},
+                                  {"lwrist", "lelbow"}});
+}
+
 }  // namespace
 
 std::optional<int> Skeleton::Find(std::string_view joint) const {
@@ -216,6 +288,11 @@ const std::vector<Skeleton>& BuiltinSkeletons() {
                                                   MakeBody25(),   MakeBody25b(),
                                                   MakeCoco18(),   MakeSkeleton("coco-17", Coco17Joints(false)),
                                                   MakeHalpe26()};
+  return skeletons;
+}
+
+const std::vector<Skeleton>& BenchmarkSkeletons() {
+  static const std::vector<Skeleton> skeletons = {MakeMpi28(), MakeMpi17(), MakeMpii16()};
   return skeletons;
 }
 

@@ -33,6 +33,10 @@ const std::vector<Skeleton>& BuiltinSkeletons();
 /// A built-in one by name, ignoring case and the difference between '-' and '_'; null where there is none.
 const Skeleton* FindSkeleton(std::string_view name);
 
+/// Joints of benchmarks' annotations that no detector writes, so that they are no candidates for a detector's layout:
+/// 3dhp-28 and 3dhp-17 (MPI-INF-3DHP's training and test set), mpii-16.
+const std::vector<Skeleton>& BenchmarkSkeletons();
+
 /// "h36m-17, canonpose-16, ..." for messages.
 std::string BuiltinSkeletonNames();
 

@@ -6,6 +6,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/data/readers/alphapose.h"
+#include "canonpose/data/readers/benchmarks/benchmark.h"
 #include "canonpose/data/readers/coco.h"
 #include "canonpose/data/readers/json.h"
 #include "canonpose/data/readers/mmpose.h"
@@ -66,7 +67,8 @@ const DetectionFormat& FindDetectionFormat(std::string_view name) {
   for (const DetectionFormat& format : DetectionFormats()) {
     if (format.name == lower) return format;
   }
-  ThrowUsage("there is no format \"{}\"; the formats are {}", name, DetectionFormatNames());
+  ThrowUsage("there is no format \"{}\"; the formats are {}, and import reads the benchmarks {}", name,
+             DetectionFormatNames(), BenchmarkFormatNames());
 }
 
 std::string DetectionFormatNames() {

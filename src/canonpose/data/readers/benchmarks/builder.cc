@@ -1,0 +1,205 @@
+#include "canonpose/data/readers/benchmarks/builder.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "canonpose/base/error.h"
+#include "canonpose/base/log.h"
+#include "canonpose/base/median.h"
+
+namespace canonpose {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+/// Poses (T, source joints, 3) as (T, target joints, 3): means of the sources, unknown where one is unknown.
+std::vector<float> MapPoses(const std::vector<float>& poses, const LayoutMapping& mapping) {
+  const std::size_t source_count = mapping.source.joints.size();
+  const std::size_t frames = poses.size() / (3 * source_count);
+  std::vector<float> mapped;
+  mapped.reserve(frames * mapping.joints.size() * 3);
+  for (std::size_t t = 0; t < frames; ++t) {
+    for (const JointSource& joint : mapping.joints) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        double sum = joint.sources.empty() ? std::nan("") : 0.0;
+        for (const int source : joint.sources) {
+          sum += poses[3 * (t * source_count + static_cast<std::size_t>(source)) + axis];
+        }
+        mapped.push_back(static_cast<float>(sum / static_cast<double>(joint.sources.size())));
+      }
+    }
+  }
+  return mapped;
+}
+
+void MapKeypoints(CameraView& view, const LayoutMapping& mapping) {
+  const std::size_t source_count = mapping.source.joints.size();
+  const std::size_t target_count = mapping.joints.size();
+  const std::size_t frames = view.confidence.size() / source_count;
+  std::vector<float> keypoints(frames * target_count * 2, kNaN);
+  std::vector<float> confidence(frames * target_count, 0.0F);
+  for (std::size_t t = 0; t < frames; ++t) {
+    ApplyMapping(mapping, &view.keypoints[2 * t * source_count], &view.confidence[t * source_count],
+                 &keypoints[2 * t * target_count], &confidence[t * target_count]);
+  }
+  view.keypoints = std::move(keypoints);
+  view.confidence = std::move(confidence);
+}
+
+/// The mapping with copies where names are the same, and 3DHP's neck as the thorax.
+void PreferOwnJoints(LayoutMapping& mapping) {
+  for (std::size_t t = 0; t < mapping.joints.size(); ++t) {
+    const std::string& joint = mapping.target.joints[t];
+    std::optional<int> own = mapping.source.Find(joint);
+    if (!own && joint == "Thorax") own = mapping.source.Find("neck");
+    if (own) mapping.joints[t].sources = {*own};
+  }
+}
+
+const Skeleton& TargetNamed(const Skeleton& layout, const std::string& skeleton) {
+  if (skeleton == "native") return layout;
+  const Skeleton* const target = FindSkeleton(skeleton);
+  return target == nullptr ? BenchmarkLayout(skeleton) : *target;
+}
+
+void KeepCameras(Sequence& sequence, const std::vector<std::string>& wanted, const std::string& file) {
+  if (wanted.empty()) return;
+  std::vector<std::string> names;
+  for (const CameraView& view : sequence.cameras) names.push_back(view.name);
+  for (const std::string& name : wanted) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    ThrowBadInput({file, sequence.name, fmt::format("camera {}, as --cameras says", name),
+                   fmt::format("{}", fmt::join(names, ", ")), "name cameras that are there"});
+  }
+  std::erase_if(sequence.cameras, [&](const CameraView& view) {
+    return std::find(wanted.begin(), wanted.end(), view.name) == wanted.end();
+  });
+}
+
+std::string Count(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+const Skeleton& BenchmarkLayout(const std::string& name) {
+  const std::vector<Skeleton>& layouts = BenchmarkSkeletons();
+  const auto found = std::find_if(layouts.begin(), layouts.end(), [&](const Skeleton& s) { return s.name == name; });
+  const Skeleton* const layout = found == layouts.end() ? FindSkeleton(name) : &*found;
+  CANONPOSE_CHECK(layout != nullptr, "{}", name);
+  return *layout;
+}
+
+LayoutMapping MapBenchmark(const Skeleton& layout, const std::string& skeleton) {
+  LayoutMapping mapping = MapWhatCanBe(layout, TargetNamed(layout, skeleton));
+  PreferOwnJoints(mapping);
+  const bool is_whole = std::none_of(mapping.joints.begin(), mapping.joints.end(),
+                                     [](const JointSource& joint) { return joint.sources.empty(); });
+  return is_whole ? mapping : MapLayout(layout, mapping.target);  // which says what is missing
+}
+
+BenchmarkBuilder::BenchmarkBuilder(const BenchmarkOptions& options, const Skeleton& keypoint_layout,
+                                   const Skeleton& truth_layout, const std::string& usual_skeleton)
+    : options_(options),
+      keypoints_(MapBenchmark(keypoint_layout, options.skeleton.empty() ? usual_skeleton : options.skeleton)),
+      truth_(MapWhatCanBe(truth_layout, keypoints_.target)) {
+  PreferOwnJoints(truth_);
+  dataset_.skeleton = keypoints_.target;
+  dataset_.source.format = options.format;
+  dataset_.source.layout = keypoint_layout.name;
+  dataset_.source.mapping = keypoints_.DescribeAll();
+}
+
+void BenchmarkBuilder::Add(Sequence sequence, const std::filesystem::path& file) {
+  if (!names_.insert(sequence.name).second) {
+    ThrowBadInput({file.string(), "", "sequences of different names",
+                   fmt::format("{} for the second time", sequence.name),
+                   "give every file once, in the benchmark's own folders"});
+  }
+  KeepCameras(sequence, options_.cameras, file.string());
+  for (CameraView& view : sequence.cameras) {
+    MapKeypoints(view, keypoints_);
+    if (!view.truth.empty()) view.truth = MapPoses(view.truth, truth_);
+  }
+  dataset_.sequences.push_back(std::move(sequence));
+}
+
+Dataset BenchmarkBuilder::Finish(double confidence_scale) {
+  dataset_.source.confidence_scale = confidence_scale;
+  std::set<std::string> subjects;
+  std::size_t frames = 0;
+  std::set<std::size_t> cameras;
+  for (const Sequence& sequence : dataset_.sequences) {
+    subjects.insert(sequence.subject);
+    frames += static_cast<std::size_t>(sequence.frame_count);
+    cameras.insert(sequence.cameras.size());
+  }
+  LogInfo("{}: {} ({}), {}, {}, {} a sequence", options_.format, Count(subjects.size(), "subject"),
+          fmt::join(subjects, ", "), Count(dataset_.sequences.size(), "sequence"), Count(frames, "frame"),
+          Count(cameras.empty() ? 0 : *cameras.rbegin(), "camera"));
+  LogInfo("{} in the files' layout {}, {} in the dataset's {}", Count(keypoints_.source.joints.size(), "joint"),
+          keypoints_.source.name, dataset_.skeleton.joint_count(), dataset_.skeleton.name);
+  return std::move(dataset_);
+}
+
+double MedianProjectionError(const CameraView& view, const Camera& camera) {
+  Camera at_origin;
+  at_origin.K = camera.K;
+  at_origin.distortion = camera.distortion;
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < view.confidence.size() && 3 * i + 2 < view.truth.size(); ++i) {
+    const Eigen::Vector2d pixel = at_origin.Project({view.truth[3 * i], view.truth[3 * i + 1], view.truth[3 * i + 2]});
+    const double distance = (pixel - Eigen::Vector2d(view.keypoints[2 * i], view.keypoints[2 * i + 1])).norm();
+    if (std::isfinite(distance)) distances.push_back(distance);
+  }
+  return distances.empty() ? std::nan("") : Median(std::move(distances));
+}
+
+void RequireFinite(const std::vector<double>& values, std::size_t joints, std::size_t axes, const std::string& file,
+                   const std::string& place) {
+  const auto bad = std::find_if(values.begin(), values.end(), [](double value) {
+    return !(std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()));
+  });
+  if (bad == values.end()) return;
+  const auto at = static_cast<std::size_t>(bad - values.begin());
+  ThrowBadInput({file, fmt::format("{}, row {}, joint {}", place, at / (joints * axes), at / axes % joints),
+                 "a coordinate", fmt::format("{}", *bad), "restore the file from a copy or make it again"});
+}
+
+void RequirePixels(const std::vector<double>& keypoints, const std::string& file, const std::string& place) {
+  constexpr double kLargestFraction = 2.0;
+  double largest = 0.0;
+  for (const double value : keypoints) largest = std::max(largest, std::abs(value));
+  if (keypoints.empty() || largest > kLargestFraction) return;
+  ThrowBadInput({file, place, "coordinates in pixels",
+                 fmt::format("none above {:.3g}, so fractions of the image", largest),
+                 "give the file as it was published, before any normalisation"});
+}
+
+h5::Array<double> ReadNumbers(const h5::Group& group, const std::string& name) {
+  constexpr std::size_t kBestCompression = 1100;  // of what HDF5 has; deflate reaches 1032
+  const std::size_t limit = kBestCompression * std::filesystem::file_size(group.file());
+  const std::vector<std::size_t> shape = group.Shape(name);
+  std::size_t count = 1;
+  for (const std::size_t size : shape) {
+    if (size > 0 && count > limit / size)
+      group.Fail(name, "an array that the file can hold", h5::FormatShape(shape), "");
+    count *= size;
+  }
+  return group.Read<double>(name);
+}
+
+std::vector<float> ToFloats(const std::vector<double>& values, double scale) {
+  std::vector<float> floats;
+  floats.reserve(values.size());
+  for (const double value : values) floats.push_back(static_cast<float>(scale * value));
+  return floats;
+}
+
+}  // namespace canonpose

@@ -1,0 +1,178 @@
+#include "canonpose/data/readers/benchmarks/canonpose_detections.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "canonpose/base/error.h"
+#include "canonpose/base/log.h"
+#include "canonpose/data/layout_check.h"
+#include "canonpose/data/person_tracking.h"
+#include "canonpose/data/readers/benchmarks/builder.h"
+#include "canonpose/data/readers/benchmarks/pickle.h"
+
+namespace canonpose {
+namespace {
+
+constexpr std::size_t kJoints = 16;
+constexpr std::array<int, 2> kUsualSize{1000, 1002};
+constexpr const char* kUsualLayout = "canonpose-16";
+constexpr const char* kOtherLayout = "mpii-16";
+/// Another order is worth a warning where it explains the keypoints better by this factor.
+constexpr double kClearlyBetter = 1.25;
+
+/// One camera's keypoints of all subjects.
+struct Rows {
+  std::string camera;
+  std::vector<double> keypoints;   ///< (N, 16, 2) pixels
+  std::vector<double> confidence;  ///< (N, 16)
+};
+
+pickle::Numbers ReadRows(const pickle::Value& value, std::size_t rows, std::size_t columns) {
+  pickle::Numbers numbers = value.ToNumbers();
+  if (numbers.shape != std::vector{rows, columns}) {
+    value.Fail(fmt::format("an array ({}, {}) = subjects, {}", rows, columns,
+                           columns == kJoints ? "joints" : "x of all joints and y of all joints"),
+               "", fmt::format("shape ({})", fmt::join(numbers.shape, ", ")));
+  }
+  return numbers;
+}
+
+std::vector<Rows> ReadCameras(const pickle::Value& root, std::size_t count, const std::string& file) {
+  const pickle::Value poses = root["poses_2d_pred"];
+  const pickle::Value confidences = root["confidences"];
+  std::vector<Rows> cameras;
+  for (const std::string& name : poses.Keys()) {
+    Rows rows;
+    rows.camera = name;
+    const std::vector<double> planar = ReadRows(poses[name], count, 2 * kJoints).values;
+    for (std::size_t n = 0; n < count; ++n) {
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        rows.keypoints.push_back(planar[(2 * n) * kJoints + j]);
+        rows.keypoints.push_back(planar[(2 * n + 1) * kJoints + j]);
+      }
+    }
+    RequireFinite(rows.keypoints, kJoints, 2, file, poses[name].place());
+    RequirePixels(rows.keypoints, file, poses[name].place());
+    rows.confidence = ReadRows(confidences[name], count, kJoints).values;
+    RequireFinite(rows.confidence, kJoints, 1, file, confidences[name].place());
+    const auto least = std::min_element(rows.confidence.begin(), rows.confidence.end());
+    if (least != rows.confidence.end() && *least < 0.0) {
+      confidences[name].Fail("confidences from 0 on", "", fmt::format("{}", *least));
+    }
+    cameras.push_back(std::move(rows));
+  }
+  if (cameras.empty()) poses.Fail("at least one camera");
+  return cameras;
+}
+
+/// All rows of all cameras, as the layout check takes them.
+std::vector<KeypointClip> ToClips(const std::vector<Rows>& cameras, const std::string& file) {
+  std::vector<KeypointClip> clips;
+  for (const Rows& rows : cameras) {
+    KeypointClip clip;
+    clip.name = rows.camera;
+    clip.path = file;
+    clip.keypoint_count = kJoints;
+    clip.frame_numbers.resize(rows.confidence.size() / kJoints);
+    clip.keypoints = ToFloats(rows.keypoints);
+    clip.confidence = ToFloats(rows.confidence);
+    clips.push_back(std::move(clip));
+  }
+  return clips;
+}
+
+void CheckOrder(const std::vector<Rows>& cameras, const std::string& chosen, const std::string& file) {
+  const std::vector<KeypointClip> clips = ToClips(cameras, file);
+  const std::string other = chosen == kUsualLayout ? kOtherLayout : kUsualLayout;
+  const LayoutFit fit = MeasureLayout(BenchmarkLayout(chosen), clips);
+  const LayoutFit other_fit = MeasureLayout(BenchmarkLayout(other), clips);
+  if (fit.frames == 0) {
+    LogWarning("too few joints are seen to check that their order is that of {}", chosen);
+  } else if (fit.misfit() > kClearlyBetter * other_fit.misfit() && other_fit.fits()) {
+    LogWarning(
+        "the joints look like those of {} rather than {} (limbs {:.1f} times as long as they need be, instead of "
+        "{:.1f}); to read them so: --layout {}",
+        other, chosen, fit.tree_ratio, other_fit.tree_ratio, other);
+  } else if (!fit.fits()) {
+    LogWarning(
+        "the joints hardly look like a person in the order of {}: limbs are {:.1f} times as long as they need be; rows "
+        "should be x of all joints, then y of all",
+        chosen, fit.tree_ratio);
+  } else {
+    LogInfo("the joints' order is that of {}, and anatomy agrees", chosen);
+  }
+}
+
+double ConfidenceScale(const std::vector<Rows>& cameras) {
+  double largest = 1.0;
+  for (const Rows& rows : cameras) {
+    for (const double confidence : rows.confidence) largest = std::max(largest, confidence);
+  }
+  if (largest > 1.0) LogInfo("confidences reach {:.3g}; all are divided by that", largest);
+  return largest;
+}
+
+/// The rows `chosen` of one camera.
+CameraView MakeView(const Rows& rows, const std::vector<std::size_t>& chosen, double scale,
+                    const std::array<int, 2>& image_size) {
+  CameraView view;
+  view.name = rows.camera;
+  view.image_size = image_size;
+  for (const std::size_t n : chosen) {
+    for (std::size_t i = n * kJoints; i < (n + 1) * kJoints; ++i) {
+      const auto confidence = static_cast<float>(std::min(1.0, rows.confidence[i] / scale));
+      view.confidence.push_back(confidence);
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        view.keypoints.push_back(confidence > 0.0F ? static_cast<float>(rows.keypoints[2 * i + axis]) : NAN);
+      }
+    }
+  }
+  return view;
+}
+
+}  // namespace
+
+Dataset ImportCanonPoseDetections(const BenchmarkOptions& options) {
+  if (options.paths.size() != 1) ThrowUsage("canonpose-detections takes one file, not {}", options.paths.size());
+  const std::string layout = options.layout.empty() ? kUsualLayout : options.layout;
+  if (layout != kUsualLayout && layout != kOtherLayout) {
+    ThrowUsage("canonpose-detections takes --layout {} or {}, not \"{}\"", kUsualLayout, kOtherLayout, layout);
+  }
+  const std::string file = options.paths.front().string();
+  const pickle::Value root = pickle::Load(options.paths.front());
+  const std::vector<std::int64_t> subjects = root["subjects"].Integers();
+  if (subjects.empty()) root["subjects"].Fail("at least one row");
+  const std::vector<Rows> cameras = ReadCameras(root, subjects.size(), file);
+  CheckOrder(cameras, layout, file);
+  const double scale = ConfidenceScale(cameras);
+  const std::array<int, 2> image_size = options.image_size[0] > 0 ? options.image_size : kUsualSize;
+  if (options.image_size[0] == 0) {
+    LogInfo("the file tells no image size: {}x{} is taken; --image-size says otherwise", image_size[0], image_size[1]);
+  }
+
+  std::vector<std::int64_t> in_order;
+  for (const std::int64_t subject : subjects) {
+    if (std::find(in_order.begin(), in_order.end(), subject) == in_order.end()) in_order.push_back(subject);
+  }
+  const Skeleton& joints = BenchmarkLayout(layout);
+  BenchmarkBuilder builder(options, joints, joints, kUsualLayout);
+  for (const std::int64_t subject : in_order) {
+    std::vector<std::size_t> rows;
+    for (std::size_t n = 0; n < subjects.size(); ++n) {
+      if (subjects[n] == subject) rows.push_back(n);
+    }
+    Sequence sequence;
+    sequence.name = sequence.subject = sequence.capture = fmt::format("S{}", subject);
+    sequence.fps = options.fps;
+    sequence.frame_count = static_cast<int>(rows.size());
+    for (const Rows& camera : cameras) sequence.cameras.push_back(MakeView(camera, rows, scale, image_size));
+    builder.Add(std::move(sequence), file);
+  }
+  return builder.Finish(scale);
+}
+
+}  // namespace canonpose

@@ -1,0 +1,382 @@
+#include "canonpose/data/readers/benchmarks/skipose.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <system_error>
+#include <tuple>
+#include <utility>
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+
+#include "canonpose/base/error.h"
+#include "canonpose/base/hdf5.h"
+#include "canonpose/base/log.h"
+#include "canonpose/base/median.h"
+#include "canonpose/data/readers/benchmarks/anatomy.h"
+#include "canonpose/data/readers/benchmarks/builder.h"
+
+namespace canonpose {
+namespace {
+
+namespace fs = std::filesystem;
+using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+using Matrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+constexpr std::size_t kJoints = 17;
+constexpr int kImageSize = 256;
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+/// A frame of reference whose projection is farther from 2D than this is not the one.
+constexpr double kFarPx = 8.0;
+
+/// One row of the file.
+struct Row {
+  int cam = 0;
+  int frame = 0;
+  std::vector<double> keypoints;  ///< (17, 2) pixels
+  Points pose;                    ///< (17, 3) as the file has it
+  Camera camera;                  ///< its translation in the file's unit
+  Eigen::Vector3d place;          ///< of the camera, in the file's unit
+};
+
+using Key = std::pair<int, int>;  // subject, sequence
+
+class LabelsFile {
+ public:
+  explicit LabelsFile(const fs::path& path) : path_(path.string()) {
+    h5::File file = h5::File::OpenForReading(path);
+    const h5::Group& root = file.root();
+    seq_ = ReadWhole(root, "seq");
+    cam_ = ReadWhole(root, "cam");
+    frame_ = ReadWhole(root, "frame");
+    subj_ = ReadWhole(root, "subj");
+    poses_ = ReadRows(root, "3D", 3 * kJoints);
+    keypoints_ = ReadRows(root, "2D", 2 * kJoints);
+    intrinsic_ = ReadRows(root, "cam_intrinsic", 9);
+    position_ = ReadRows(root, "cam_position", 3);
+    rotation_ = ReadRows(root, "R_cam_2_world", 9);
+    constexpr double kLargestFraction = 3.0;  // a joint may lie outside the image, but not by far
+    for (const double coordinate : keypoints_) {
+      if (std::abs(coordinate) <= kLargestFraction) continue;
+      root.Fail("2D", "fractions of the image, 0 to 1", fmt::format("{}", coordinate), "give labels.h5 as published");
+    }
+  }
+
+  [[nodiscard]] std::size_t size() const { return seq_.size(); }
+  [[nodiscard]] Key KeyOf(std::size_t row) const { return {subj_[row], seq_[row]}; }
+
+  [[nodiscard]] Row At(std::size_t i) const {
+    Row row;
+    row.cam = cam_[i];
+    row.frame = frame_[i];
+    for (std::size_t k = 0; k < 2 * kJoints; ++k) row.keypoints.push_back(kImageSize * keypoints_[2 * kJoints * i + k]);
+    row.pose = Eigen::Map<const Points>(&poses_[3 * kJoints * i], kJoints, 3);
+    row.place = Eigen::Map<const Eigen::Vector3d>(&position_[3 * i]);
+    const Matrix3 K = Eigen::Map<const Matrix3>(&intrinsic_[9 * i]);
+    const bool is_camera_matrix = K(0, 0) > 0.0 && K(1, 1) > 0.0 && std::abs(K(2, 2) - 1.0) < 1e-6 &&
+                                  std::abs(K(1, 0)) < 1e-6 && std::abs(K(2, 0)) < 1e-6 && std::abs(K(2, 1)) < 1e-6;
+    if (!is_camera_matrix) Fail("cam_intrinsic", i, "[[fx, s, cx], [0, fy, cy], [0, 0, 1]] with fx, fy > 0");
+    row.camera.K << kImageSize * K(0, 0), kImageSize * K(0, 1), kImageSize * K(0, 2), 0.0, kImageSize * K(1, 1),
+        kImageSize * K(1, 2), 0.0, 0.0, 1.0;
+    const Matrix3 R = Eigen::Map<const Matrix3>(&rotation_[9 * i]);
+    constexpr double kRounding = 0.01;
+    if ((R * R.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() > kRounding || R.determinant() < 0.0) {
+      Fail("R_cam_2_world", i, "a rotation matrix");
+    }
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R.transpose(), Eigen::ComputeFullU | Eigen::ComputeFullV);
+    row.camera.camera_from_world_rotation = svd.matrixU() * svd.matrixV().transpose();
+    row.camera.camera_from_world_translation_mm = -(row.camera.camera_from_world_rotation * row.place);
+    return row;
+  }
+
+  [[nodiscard]] const std::vector<double>& poses() const { return poses_; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+  /// Gives the right leg's joints to the left and back.
+  void SwapLegs() {
+    for (std::size_t i = 0; i < size(); ++i) {
+      for (std::size_t joint = 1; joint <= 3; ++joint) {
+        std::swap_ranges(&poses_[3 * (i * kJoints + joint)], &poses_[3 * (i * kJoints + joint)] + 3,
+                         &poses_[3 * (i * kJoints + joint + 3)]);
+        std::swap_ranges(&keypoints_[2 * (i * kJoints + joint)], &keypoints_[2 * (i * kJoints + joint)] + 2,
+                         &keypoints_[2 * (i * kJoints + joint + 3)]);
+      }
+    }
+  }
+
+ private:
+  [[noreturn]] void Fail(const std::string& name, std::size_t row, const std::string& expected) const {
+    ThrowBadInput(
+        {path_, fmt::format("/{}, row {}", name, row), expected, "another matrix", "give labels.h5 as published"});
+  }
+
+  /// One row a view; any dimensions whose first is the rows.
+  std::vector<double> ReadRows(const h5::Group& root, const std::string& name, std::size_t columns) const {
+    if (!root.Has(name)) root.Fail(name, "an array", "nothing", "give labels.h5 of Ski-PosePTZ");
+    h5::Array<double> array = ReadNumbers(root, name);
+    const std::size_t rows = seq_.empty() ? (array.shape.empty() ? 0 : array.shape.front()) : seq_.size();
+    if (rows == 0 || array.shape.empty() || array.shape.front() != rows || array.values.size() != rows * columns) {
+      root.Fail(
+          name,
+          fmt::format("shape ({}, {}) = views, numbers a view", rows == 0 ? "N" : fmt::format("{}", rows), columns),
+          h5::FormatShape(array.shape), "give labels.h5 of Ski-PosePTZ as published");
+    }
+    RequireFinite(array.values, columns, 1, path_, "/" + name);
+    return std::move(array.values);
+  }
+
+  std::vector<int> ReadWhole(const h5::Group& root, const std::string& name) const {
+    std::vector<int> whole;
+    for (const double value : ReadRows(root, name, 1)) {
+      constexpr double kLargest = 1e9;
+      if (!(value >= 0.0 && value <= kLargest) || value != std::trunc(value)) {
+        ThrowBadInput(
+            {path_, "/" + name, "whole numbers from 0 on", fmt::format("{}", value), "give labels.h5 as published"});
+      }
+      whole.push_back(static_cast<int>(value));
+    }
+    return whole;
+  }
+
+  std::string path_;
+  std::vector<int> seq_;
+  std::vector<int> cam_;
+  std::vector<int> frame_;
+  std::vector<int> subj_;
+  std::vector<double> poses_;
+  std::vector<double> keypoints_;
+  std::vector<double> intrinsic_;
+  std::vector<double> position_;
+  std::vector<double> rotation_;
+};
+
+// ------------------------------------------------------------------------------------------- the frame of the poses
+
+/// In which frame 3D may be.
+struct Frame {
+  const char* description;
+  bool is_world;   ///< otherwise the camera's
+  bool has_place;  ///< whether the person's place is in it; otherwise it is found from 2D
+};
+
+constexpr std::array<Frame, 4> kFrames = {
+    {{"the camera's frame", false, true},
+     {"the camera's frame relative to the person, whose place is found from 2D", false, false},
+     {"the world's frame", true, true},
+     {"the world's axes relative to the person, whose place is found from 2D", true, false}}};
+
+/// The shift with which points project nearest to pixels: u (z + c) = x + a and v (z + c) = y + b for each joint, by
+/// least squares.
+Eigen::Vector3d FindPlace(const Points& points, const Row& row) {
+  const auto joints = static_cast<Eigen::Index>(kJoints);
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * joints, 3);
+  Eigen::VectorXd b(2 * joints);
+  const Eigen::Matrix3d K_inverse = row.camera.K.inverse();
+  for (Eigen::Index j = 0; j < joints; ++j) {
+    const auto at = static_cast<std::size_t>(2 * j);
+    const Eigen::Vector3d ray = K_inverse * Eigen::Vector3d(row.keypoints[at], row.keypoints[at + 1], 1.0);
+    for (Eigen::Index axis = 0; axis < 2; ++axis) {
+      A(2 * j + axis, axis) = 1.0;
+      A(2 * j + axis, 2) = -ray[axis];
+      b[2 * j + axis] = ray[axis] * points(j, 2) - points(j, axis);
+    }
+  }
+  return A.colPivHouseholderQr().solve(b);
+}
+
+/// The pose of a row in its camera's frame, in the file's unit, if 3D is in `frame`.
+Points InCamera(const Row& row, const Frame& frame) {
+  Points points = row.pose;
+  if (frame.is_world) {
+    const Eigen::Vector3d origin = frame.has_place ? row.place : Eigen::Vector3d::Zero();
+    points = (points.rowwise() - origin.transpose()) * row.camera.camera_from_world_rotation.transpose();
+  }
+  if (!frame.has_place) points.rowwise() += FindPlace(points, row).transpose();
+  return points;
+}
+
+double ErrorPx(const Row& row, const Points& points) {
+  std::vector<double> distances;
+  for (Eigen::Index j = 0; j < points.rows(); ++j) {
+    const auto at = static_cast<std::size_t>(2 * j);
+    const Eigen::Vector3d pixel = row.camera.K * points.row(j).transpose();
+    const bool is_before = points(j, 2) > 0.0;
+    distances.push_back(
+        is_before ? std::hypot(pixel.x() / pixel.z() - row.keypoints[at], pixel.y() / pixel.z() - row.keypoints[at + 1])
+                  : 1e6);
+  }
+  return Median(std::move(distances));
+}
+
+const Frame& TellFrame(const LabelsFile& file) {
+  constexpr std::size_t kEnough = 200;
+  const std::size_t stride = std::max<std::size_t>(1, file.size() / kEnough);
+  std::array<double, kFrames.size()> errors_px{};
+  for (std::size_t f = 0; f < kFrames.size(); ++f) {
+    std::vector<double> errors;
+    for (std::size_t i = 0; i < file.size(); i += stride) {
+      const Row row = file.At(i);
+      errors.push_back(ErrorPx(row, InCamera(row, kFrames[f])));
+    }
+    errors_px[f] = Median(std::move(errors));
+  }
+  // A place that is found fits at least as well as one that is known.
+  std::size_t best = 0;
+  constexpr double kClearlyBetterPx = 1.0;
+  for (std::size_t f = 1; f < kFrames.size(); ++f) {
+    if (errors_px[f] + kClearlyBetterPx < errors_px[best]) best = f;
+  }
+  if (errors_px[best] > kFarPx) {
+    best = 1;
+    LogWarning(
+        "{}: in no frame does 3D project to 2D; it is taken to be in {} ({:.1f} px off), as loaders of this benchmark "
+        "do",
+        file.path(), kFrames[best].description, errors_px[best]);
+  } else {
+    LogInfo("{}: 3D is in {}: so it projects to within {:.2f} px of 2D (median)", file.path(),
+            kFrames[best].description, errors_px[best]);
+  }
+  return kFrames[best];
+}
+
+// --------------------------------------------------------------------------------------------------------- sequences
+
+std::vector<fs::path> FindFiles(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return {path};
+  if (fs::exists(path / "labels.h5", error)) return {path / "labels.h5"};
+  std::vector<fs::path> files;
+  for (const char* const split : {"train", "test"}) {
+    if (fs::exists(path / split / "labels.h5", error)) files.push_back(path / split / "labels.h5");
+  }
+  if (files.empty()) {
+    ThrowBadInput({path.string(), "", "labels.h5, or train/labels.h5 and test/labels.h5", "neither", "check the path"});
+  }
+  return files;
+}
+
+/// Views of one camera at the places of `frames`; where it has none the nearest one's calibration stands, and nothing
+/// else.
+CameraView MakeView(int cam, const std::map<int, Row>& rows, const std::vector<int>& frames, const Frame& frame,
+                    double mm) {
+  CameraView view;
+  view.name = fmt::format("cam_{:02d}", cam);
+  view.image_size = {kImageSize, kImageSize};
+  for (const int number : frames) {
+    auto nearest = rows.lower_bound(number);
+    if (nearest == rows.end()) nearest = std::prev(nearest);
+    Camera camera = nearest->second.camera;
+    camera.camera_from_world_translation_mm *= mm;
+    view.calibration.push_back(camera);
+    const bool is_seen = nearest->first == number;
+    const Points points = is_seen ? InCamera(nearest->second, frame) : Points::Constant(kJoints, 3, std::nan(""));
+    for (std::size_t i = 0; i < 2 * kJoints; ++i) {
+      view.keypoints.push_back(is_seen ? static_cast<float>(nearest->second.keypoints[i]) : kNaN);
+    }
+    view.confidence.insert(view.confidence.end(), kJoints, is_seen ? 1.0F : 0.0F);
+    for (Eigen::Index i = 0; i < points.size(); ++i) view.truth.push_back(static_cast<float>(mm * points.data()[i]));
+  }
+  return view;
+}
+
+class Importer {
+ public:
+  explicit Importer(const BenchmarkOptions& options) : options_(options) {}
+
+  Dataset Run() {
+    std::vector<fs::path> files;
+    for (const fs::path& path : options_.paths) {
+      for (fs::path& file : FindFiles(path)) files.push_back(std::move(file));
+    }
+    if (files.size() > 1) {
+      LogWarning(
+          "several files become one dataset; to measure on test what was trained on train, import them one by one");
+    }
+    const Skeleton& layout = BenchmarkLayout("h36m-17");
+    BenchmarkBuilder builder(options_, layout, layout, "h36m-17");
+    for (const fs::path& path : files) AddFile(path, builder);
+    LogInfo("images are {0}x{0}; the annotations have no confidences: all are 1; the cameras move", kImageSize);
+    return builder.Finish();
+  }
+
+ private:
+  void AddFile(const fs::path& path, BenchmarkBuilder& builder) {
+    LabelsFile file(path);
+    const Skeleton& layout = BenchmarkLayout("h36m-17");
+    const std::vector<float> poses = ToFloats(file.poses());
+    const PoseUnit unit = TellUnit(layout, poses, path.string(), "/3D");
+    LogInfo("{}: 3D is in {}, as legs are {:.0f} mm long", path.string(), unit.name, unit.leg_mm);
+    const Frame& frame = TellFrame(file);
+    RenameLegs(file, frame);
+    std::map<Key, std::map<int, std::map<int, Row>>> sequences;  // by camera and frame
+    for (std::size_t i = 0; i < file.size(); ++i) {
+      Row row = file.At(i);
+      const Key key = file.KeyOf(i);
+      const int cam = row.cam;
+      const int number = row.frame;
+      if (!sequences[key][cam].emplace(number, std::move(row)).second) {
+        ThrowBadInput({path.string(), fmt::format("row {}", i), "each view once",
+                       fmt::format("subject {}, seq {}, cam {}, frame {} again", key.first, key.second, cam, number),
+                       "give labels.h5 as published"});
+      }
+    }
+    for (const auto& [key, cameras] : sequences) builder.Add(MakeSequence(key, cameras, frame, unit), path);
+  }
+
+  Sequence MakeSequence(const Key& key, const std::map<int, std::map<int, Row>>& cameras, const Frame& frame,
+                        const PoseUnit& unit) {
+    std::set<int> numbers;
+    std::size_t views = 0;
+    for (const auto& [cam, rows] : cameras) {
+      views += rows.size();
+      for (const auto& [number, row] : rows) numbers.insert(number);
+    }
+    Sequence sequence;
+    sequence.subject = fmt::format("S{}", key.first);
+    sequence.name = sequence.capture = fmt::format("S{} seq_{:03d}", key.first, key.second);
+    sequence.static_cameras = false;
+    sequence.fps = options_.fps;
+    sequence.actions = {"Skiing"};
+    sequence.frame_count = static_cast<int>(numbers.size());
+    const std::vector<int> frames(numbers.begin(), numbers.end());
+    for (const auto& [cam, rows] : cameras)
+      sequence.cameras.push_back(MakeView(cam, rows, frames, frame, unit.mm_per_unit));
+    const std::size_t missing = cameras.size() * frames.size() - views;
+    if (missing > 0) LogInfo("{}: {} of {} views are not in the file", sequence.name, missing, missing + views);
+    return sequence;
+  }
+
+  void RenameLegs(LabelsFile& file, const Frame& frame) {
+    std::vector<float> poses;
+    for (std::size_t i = 0; i < file.size(); ++i) {
+      const Points points = InCamera(file.At(i), frame);
+      for (Eigen::Index k = 0; k < points.size(); ++k) poses.push_back(static_cast<float>(points.data()[k]));
+    }
+    const SideCheck sides = CheckSides(BenchmarkLayout("h36m-17"), poses);
+    if (!sides.measured) {
+      LogWarning("{}: poses do not tell whether left and right are what they are called", file.path());
+    } else if (sides.legs_swapped && !sides.arms_swapped) {
+      LogWarning("{}: the left leg is called right and the right one left, or knees bend backwards; renamed",
+                 file.path());
+      file.SwapLegs();
+    } else if (sides.arms_swapped) {
+      SideReport report;
+      report.Add(sides, file.path());
+      report.Warn();
+    } else {
+      LogInfo("{}: left and right are what they are called, by knees and noses", file.path());
+    }
+  }
+
+  const BenchmarkOptions& options_;
+};
+
+}  // namespace
+
+Dataset ImportSkiPose(const BenchmarkOptions& options) { return Importer(options).Run(); }
+
+}  // namespace canonpose

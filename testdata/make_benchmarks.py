@@ -387,6 +387,76 @@ def make_pickles(folder):
     (folder / "set.pickle").write_bytes(pickle.dumps({1, 2}, 4))
 
 
+# ------------------------------------------------------------------------------------------------- what is refused
+
+
+def make_wrong(folder):
+    """Files with one thing wrong each; the name says what."""
+    folder.mkdir(parents=True)
+    good_2d = np.load(FOLDER / "h36m/data_2d_h36m_gt.npz", allow_pickle=True)["positions_2d"].item()["S9"]["WalkDog 1"]
+    good_3d = np.load(FOLDER / "h36m/data_3d_h36m.npz", allow_pickle=True)["positions_3d"].item()["S9"]["Walking"][:8]
+    h36m_2d = lambda name, views, **more: np.savez_compressed(folder / name, positions_2d={"S9": {"WalkDog 1": views}}, **more)
+    h36m_3d = lambda name, poses: np.savez_compressed(folder / name, positions_3d={"S9": {"WalkDog 1": poses}})
+    broken = [view.copy() for view in good_2d]
+    broken[2][3, 5, 1] = np.nan
+    h36m_2d("h36m_2d_good.npz", good_2d)
+    h36m_2d("h36m_2d_one_array.npz", np.stack(good_2d))
+    h36m_2d("h36m_2d_confidences.npz", [np.concatenate([view, np.full(view.shape[:2] + (1,), 0.25, "f4")], 2) for view in good_2d])
+    h36m_2d("h36m_2d_16_joints.npz", [view[:, :16] for view in good_2d])
+    h36m_2d("h36m_2d_3_cameras.npz", good_2d[:3])
+    h36m_2d("h36m_2d_fractions.npz", [view / 1000 for view in good_2d])
+    h36m_2d("h36m_2d_nan.npz", broken)
+    h36m_2d("h36m_2d_short.npz", [view[:5] for view in good_2d])
+    h36m_2d("h36m_2d_layout.npz", good_2d, metadata={"layout_name": "humaneva", "num_joints": 15})
+    h36m_3d("h36m_3d_good.npz", good_3d)
+    h36m_3d("h36m_3d_mm.npz", good_3d * 1000)
+    h36m_3d("h36m_3d_unit.npz", good_3d * 1e6)
+    h36m_3d("h36m_3d_17_joints.npz", good_3d[:, H36M_KEPT])
+    swapped = good_3d.copy()
+    swapped[:, [1, 2, 3, 25, 26, 27, 6, 7, 8, 17, 18, 19]] = good_3d[:, [6, 7, 8, 17, 18, 19, 1, 2, 3, 25, 26, 27]]
+    h36m_3d("h36m_3d_swapped.npz", swapped)
+
+    data = pickle.loads((FOLDER / "canonpose/detections_p5.pickle").read_bytes())
+    name = "54138969"
+    few = {"subjects": data["subjects"][:6], "poses_2d_pred": {name: data["poses_2d_pred"][name][:6]},
+           "confidences": {name: data["confidences"][name][:6]}}
+
+    def detections(file, change):
+        changed = {"subjects": list(few["subjects"]), "poses_2d_pred": {name: few["poses_2d_pred"][name].copy()},
+                   "confidences": {name: few["confidences"][name].copy()}}
+        change(changed)
+        (folder / file).write_bytes(pickle.dumps(changed, 4))
+
+    def set_value(data, key, index, value):
+        data[key][name][index] = value
+
+    detections("detections_no_subjects.pickle", lambda d: d.pop("subjects"))
+    detections("detections_17_joints.pickle", lambda d: d["poses_2d_pred"].update({name: np.zeros((6, 34))}))
+    detections("detections_rows.pickle", lambda d: d["subjects"].append(5))
+    detections("detections_nan.pickle", lambda d: set_value(d, "poses_2d_pred", (4, 17), np.nan))
+    detections("detections_negative.pickle", lambda d: set_value(d, "confidences", (4, 5), -0.5))
+    detections("detections_camera.pickle", lambda d: d["confidences"].update({"x": d["confidences"].pop(name)}))
+    detections("detections_objects.pickle", lambda d: d["poses_2d_pred"].update({name: np.array([None] * 6, dtype=object)}))
+
+    mat = scipy.io.loadmat(FOLDER / "3dhp_train/S2/Seq2/annot.mat")
+    two, three = [c[:1].astype("f4") for c in mat["annot2"][:, 0]], [c[:1].astype("f4") for c in mat["annot3"][:, 0]]
+    missing = [c.copy() for c in three]
+    missing[3][0, 10] = np.nan
+
+    def train(name, **variables):
+        scipy.io.savemat(folder / name, variables, do_compression=True)
+        with open(folder / name, "r+b") as file:
+            file.write(b"MATLAB 5.0 MAT-file, Platform: GLNXA64, Created by: make_benchmarks.py".ljust(116))
+
+    train("train_13_cameras.mat", annot2=cell(two[:13]), annot3=cell(three[:13]))
+    train("train_27_joints.mat", annot2=cell([c[:, :54] for c in two]), annot3=cell(three))
+    train("train_frames.mat", annot2=cell(two), annot3=cell([np.repeat(c, 2, 0) for c in three]))
+    train("train_no_annot3.mat", annot2=cell(two))
+    train("train_matrix.mat", annot2=two[0], annot3=cell(three))
+    train("train_nan.mat", annot2=cell(two), annot3=cell(missing))
+    train("train_metres.mat", annot2=cell(two), annot3=cell([c / 1000 for c in three]))
+
+
 if __name__ == "__main__":
     shutil.rmtree(FOLDER, ignore_errors=True)
     make_h36m(FOLDER / "h36m")
@@ -395,3 +465,4 @@ if __name__ == "__main__":
     make_3dhp_test(FOLDER / "3dhp_test")
     make_skipose(FOLDER / "skipose")
     make_pickles(FOLDER / "pickles")
+    make_wrong(FOLDER / "wrong")

@@ -76,10 +76,31 @@ std::size_t CountOf(const std::vector<std::size_t>& shape) {
   return count;
 }
 
+/// Whether all bits of a type are used, in one of the usual widths: the library itself writes past its buffers when it
+/// converts from some others, which damaged files have.
+bool IsOfUsualWidth(hid_t type) {
+  const std::size_t bytes = H5Tget_size(type);
+  const bool is_usual = bytes == 1 || bytes == 2 || bytes == 4 || bytes == 8;
+  return is_usual && H5Tget_precision(type) == 8 * bytes && H5Tget_offset(type) == 0;
+}
+
+/// Whether sign, exponent and mantissa of a real type lie next to each other and fill it, as in IEEE 754.
+bool IsUsualReal(hid_t type) {
+  std::size_t sign = 0;
+  std::size_t exponent = 0;
+  std::size_t exponent_bits = 0;
+  std::size_t mantissa = 0;
+  std::size_t mantissa_bits = 0;
+  if (H5Tget_fields(type, &sign, &exponent, &exponent_bits, &mantissa, &mantissa_bits) < 0) return false;
+  return IsOfUsualWidth(type) && mantissa == 0 && exponent == mantissa_bits && sign == exponent + exponent_bits &&
+         sign + 1 == 8 * H5Tget_size(type);
+}
+
 bool IsNumber(hid_t type) {
   const H5T_class_t type_class = H5Tget_class(type);
+  if (type_class == H5T_FLOAT) return IsUsualReal(type);
   // h5py stores bool as an enumeration of int8.
-  return type_class == H5T_INTEGER || type_class == H5T_FLOAT || type_class == H5T_ENUM;
+  return type_class == H5T_ENUM || (type_class == H5T_INTEGER && IsOfUsualWidth(type));
 }
 
 std::string WithoutPadding(const char* text, std::size_t size) {

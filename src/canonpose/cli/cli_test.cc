@@ -90,6 +90,42 @@ std::vector<std::string> TrainArguments(const fs::path& data, const fs::path& ru
   return {"train", data, "-o", run, "--width", "24", "--epochs", "3", "--threads", "1"};
 }
 
+TEST(Program, ImportsBenchmarks) {
+  const TemporaryFolder folder;
+  const fs::path files = TestData("benchmarks");
+  const std::vector<std::vector<std::string>> commands = {
+      {"h36m", files / "h36m/data_2d_h36m_gt.npz", files / "h36m/data_3d_h36m.npz", "--calibration",
+       files / "h36m/cameras.json"},
+      {"canonpose-detections", files / "canonpose/detections_p2.pickle", "--image-size", "1000x1000"},
+      {"3dhp-train", files / "3dhp_train/S1/Seq1/annot.mat", files / "3dhp_train/S2/Seq2/annot.mat", "--cameras",
+       "0,2,4,7,8", "--truth", "annot3"},
+      {"3dhp-test", files / "3dhp_test/TS1/annot_data.mat", files / "3dhp_test/TS5/annot_data.mat"},
+      {"skipose", files / "skipose/train"}};
+  for (const std::vector<std::string>& command : commands) {
+    const fs::path out = folder / (command.front() + ".h5");
+    std::vector<std::string> arguments = {"import"};
+    arguments.insert(arguments.end(), command.begin(), command.end());
+    arguments.insert(arguments.end(), {"-o", out});
+    const Outcome outcome = Execute(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    EXPECT_THAT(outcome.errors, HasSubstr("a sequence"));
+  }
+  EXPECT_THAT(Execute({"info", folder / "3dhp-test.h5"}).output,
+              AllOf(HasSubstr("made from    3dhp-test"), HasSubstr("univ_annot3"), HasSubstr("On The Floor")));
+  // A sequence of one camera is for evaluation.
+  const fs::path run = folder / "run";
+  ASSERT_EQ(Execute({"train", folder / "skipose.h5", "-o", run, "--width", "24", "--epochs", "1", "--threads", "1"})
+                .exit_code,
+            0);
+  const Outcome measured = Execute({"evaluate", run, folder / "3dhp-test.h5"});
+  EXPECT_EQ(measured.exit_code, 0) << measured.errors;
+
+  const std::string out = folder / "x.h5";
+  EXPECT_EQ(Execute({"import", "skipose", files / "skipose/train", "-o", out, "--person", "2"}).exit_code, 2);
+  EXPECT_EQ(Execute({"import", "openpose", files, "-o", out, "--truth", "annot3"}).exit_code, 2);
+  EXPECT_FALSE(fs::exists(out));
+}
+
 TEST(Program, UsageMistakesExitWithTwo) {
   EXPECT_EQ(Execute({}).exit_code, 2);
   EXPECT_EQ(Execute({"fly"}).exit_code, 2);

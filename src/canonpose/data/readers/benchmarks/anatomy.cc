@@ -116,6 +116,14 @@ PoseUnit TellUnit(const Skeleton& layout, const std::vector<float>& poses, const
                  fmt::format("legs of {:.3g} units", leg), "check that these are the benchmark's own poses"});
 }
 
+void ReportUnit(const PoseUnit& unit, const std::string& what) {
+  if (unit.name != "mm") {
+    LogWarning("{} is in {}, by the length of legs; made mm", what, unit.name);
+  } else if (unit.leg_mm > 0.0) {
+    LogInfo("{} is in mm: legs are {:.0f} mm long", what, unit.leg_mm);
+  }
+}
+
 SideCheck CheckSides(const Skeleton& layout, const std::vector<float>& poses) {
   const std::optional<bool> arms = IsSwapped(layout, poses, "lshoulder", "rshoulder");
   const std::optional<bool> legs = IsSwapped(layout, poses, "lhip", "rhip");

@@ -19,6 +19,9 @@ struct PoseUnit {
 PoseUnit TellUnit(const Skeleton& layout, const std::vector<float>& poses, const std::string& file,
                   const std::string& place);
 
+/// Says which unit `what` is in, and warns where it is not the mm that it should be.
+void ReportUnit(const PoseUnit& unit, const std::string& what);
+
 /// Which limbs are called by the other side's name. Knees bend forward and the nose points there; forward is where
 /// somebody looks whose right shoulder is right.
 struct SideCheck {

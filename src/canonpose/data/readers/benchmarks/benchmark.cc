@@ -11,8 +11,8 @@
 #include "canonpose/base/error.h"
 #include "canonpose/data/readers/benchmarks/canonpose_detections.h"
 #include "canonpose/data/readers/benchmarks/h36m.h"
-#include "canonpose/data/readers/benchmarks/mpi_3dhp_test.h"
-#include "canonpose/data/readers/benchmarks/mpi_3dhp_train.h"
+#include "canonpose/data/readers/benchmarks/mpi_3dhp_test_set.h"
+#include "canonpose/data/readers/benchmarks/mpi_3dhp_train_set.h"
 #include "canonpose/data/readers/benchmarks/skipose.h"
 #include "canonpose/skeleton/skeleton.h"
 

@@ -52,13 +52,15 @@ void MapKeypoints(CameraView& view, const LayoutMapping& mapping) {
   view.confidence = std::move(confidence);
 }
 
-/// The mapping with copies where names are the same, and 3DHP's neck as the thorax.
+/// The mapping with copies where names are the same, letter by letter (3DHP's "head" is the centre of the head,
+/// Human3.6M's "Head" its top), and 3DHP's neck as the thorax.
 void PreferOwnJoints(LayoutMapping& mapping) {
   for (std::size_t t = 0; t < mapping.joints.size(); ++t) {
     const std::string& joint = mapping.target.joints[t];
-    std::optional<int> own = mapping.source.Find(joint);
-    if (!own && joint == "Thorax") own = mapping.source.Find("neck");
-    if (own) mapping.joints[t].sources = {*own};
+    const std::vector<std::string>& names = mapping.source.joints;
+    auto own = std::find(names.begin(), names.end(), joint);
+    if (own == names.end() && joint == "Thorax") own = std::find(names.begin(), names.end(), "neck");
+    if (own != names.end()) mapping.joints[t].sources = {static_cast<int>(own - names.begin())};
   }
 }
 

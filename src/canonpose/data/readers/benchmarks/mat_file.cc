@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -27,6 +28,35 @@ std::string ReadHeader(const fs::path& path) {
   file.read(header.data(), static_cast<std::streamsize>(header.size()));
   header.resize(static_cast<std::size_t>(file.gcount()));
   return header;
+}
+
+/// Whether an array claims more elements than its bytes can be, for which the library would search in vain for long.
+/// `file` is after the array's tag: 16 bytes of flags, then the tag of the dimensions and the dimensions.
+bool IsTooLarge(std::ifstream& file, std::uint32_t bytes) {
+  std::array<std::uint32_t, 8> start{};
+  if (!file.read(reinterpret_cast<char*>(start.data()), sizeof(start))) return true;
+  constexpr std::size_t kRank2Bytes = 8;
+  if (start[5] != kRank2Bytes) return start[5] < kRank2Bytes;
+  const std::uint64_t elements = std::uint64_t{start[6]} * start[7];
+  return elements > bytes;
+}
+
+/// Whether the file ends where its last element ends: elements say how long they are, and a cut elsewhere would go
+/// unnoticed in what is not read. Each has a type and its bytes, 4 bytes each.
+bool IsSound(const fs::path& path) {
+  constexpr std::uint32_t kMatrix = 14;
+  std::error_code error;
+  const std::uint64_t size = fs::file_size(path, error);
+  std::ifstream file(path, std::ios::binary);
+  std::uint64_t at = kHeaderBytes;
+  while (at < size) {
+    std::array<std::uint32_t, 2> tag{};
+    file.seekg(static_cast<std::streamoff>(at));
+    if (!file.read(reinterpret_cast<char*>(tag.data()), sizeof(tag))) return false;
+    if (tag[0] == kMatrix && IsTooLarge(file, tag[1])) return false;
+    at += sizeof(tag) + tag[1];
+  }
+  return at == size && size > kHeaderBytes;
 }
 
 template <typename T>
@@ -86,6 +116,15 @@ std::optional<Matrix> ToMatrix(const matvar_t* variable) {
   return matrix;
 }
 
+/// The size of an array before its values are read, as large as can be where it makes no sense.
+std::uint64_t ClaimedValues(const matvar_t* variable) {
+  constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
+  if (variable == nullptr || variable->rank != 2 || variable->dims == nullptr) return kNone;
+  const std::uint64_t rows = variable->dims[0];
+  const std::uint64_t columns = variable->dims[1];
+  return rows > 0 && columns > kNone / rows ? kNone : rows * columns;
+}
+
 struct VariableCloser {
   void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
 };
@@ -119,6 +158,9 @@ MatFile::MatFile(const fs::path& path) : state_(std::make_unique<State>()) {
     ThrowBadInput({path.string(), "", expected, "another format, or one that is cut short",
                    "give annot.mat as it was published"});
   }
+  if (!IsSound(path)) {
+    ThrowBadInput({path.string(), "", expected, "one that is cut short or damaged", "copy the file again"});
+  }
   state_->file = Mat_Open(path.c_str(), MAT_ACC_RDONLY);
   if (state_->file == nullptr) {
     ThrowBadInput({path.string(), "", expected, "a damaged one", "copy the file again"});
@@ -134,7 +176,8 @@ void MatFile::Fail(const std::string& place, const std::string& expected, const 
 
 std::vector<Matrix> MatFile::ReadCells(const std::string& name, std::size_t count) const {
   Mat_Rewind(state_->file);
-  const Variable variable(Mat_VarRead(state_->file, name.c_str()));
+  // First what the variable claims to be: reading takes all the memory that a damaged size asks for.
+  const Variable variable(Mat_VarReadInfo(state_->file, name.c_str()));
   if (variable == nullptr)
     Fail(name, "a variable of that name", "none that can be read", "give annot.mat as published");
   std::size_t cells = variable->class_type == MAT_C_CELL && variable->data != nullptr ? 1 : 0;
@@ -144,9 +187,20 @@ std::vector<Matrix> MatFile::ReadCells(const std::string& name, std::size_t coun
          variable->class_type == MAT_C_CELL ? fmt::format("{} cells", cells) : "no cell array",
          "give annot.mat of the training set as published");
   }
+  const auto* const parts = static_cast<matvar_t* const*>(variable->data);
+  constexpr std::uint64_t kBestCompression = 1100;  // deflate reaches 1032
+  const std::uint64_t limit = kBestCompression * fs::file_size(state_->path);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (ClaimedValues(parts[i]) <= limit) continue;
+    Fail(fmt::format("{}{{{}}}", name, i + 1), "a matrix that the file can hold", "a larger one",
+         "the file is damaged; copy it again");
+  }
+  if (Mat_VarReadDataAll(state_->file, variable.get()) != 0) {
+    Fail(name, "readable data", "damaged data", "copy the file again");
+  }
   std::vector<Matrix> matrices;
   for (std::size_t i = 0; i < count; ++i) {
-    const std::optional<Matrix> matrix = ToMatrix(static_cast<matvar_t* const*>(variable->data)[i]);
+    const std::optional<Matrix> matrix = ToMatrix(parts[i]);
     if (!matrix)
       Fail(fmt::format("{}{{{}}}", name, i + 1), "a matrix of real numbers", "something else, or damaged data");
     matrices.push_back(*matrix);

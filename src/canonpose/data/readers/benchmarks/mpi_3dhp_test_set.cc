@@ -1,4 +1,4 @@
-#include "canonpose/data/readers/benchmarks/mpi_3dhp_test.h"
+#include "canonpose/data/readers/benchmarks/mpi_3dhp_test_set.h"
 
 #include <algorithm>
 #include <array>
@@ -189,8 +189,7 @@ class Importer {
   CameraView MakeView(const std::vector<double>& keypoints, const std::vector<double>& poses,
                       const std::array<int, 2>& image_size, const fs::path& path) const {
     const PoseUnit unit = TellUnit(BenchmarkLayout("3dhp-17"), ToFloats(poses), path.string(), truth_);
-    if (unit.name != "mm")
-      LogWarning("{}: {} is in {}, by the length of legs; made mm", path.string(), truth_, unit.name);
+    ReportUnit(unit, fmt::format("{}: {}", path.string(), truth_));
     CameraView view;
     view.name = "camera";
     view.image_size = image_size;

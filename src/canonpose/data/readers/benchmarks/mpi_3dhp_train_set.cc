@@ -1,4 +1,4 @@
-#include "canonpose/data/readers/benchmarks/mpi_3dhp_train.h"
+#include "canonpose/data/readers/benchmarks/mpi_3dhp_train_set.h"
 
 #include <algorithm>
 #include <cctype>
@@ -216,8 +216,7 @@ class Importer {
 
   double Scale(const Matrix& poses, const fs::path& path) {
     const PoseUnit unit = TellUnit(BenchmarkLayout("3dhp-28"), ToFloats(poses.values), path.string(), truth_);
-    if (unit.name != "mm")
-      LogWarning("{}: {} is in {}, by the length of legs; made mm", path.string(), truth_, unit.name);
+    ReportUnit(unit, fmt::format("{}: {}", path.string(), truth_));
     return unit.mm_per_unit;
   }
 

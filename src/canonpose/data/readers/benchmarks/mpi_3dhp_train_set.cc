@@ -106,7 +106,9 @@ CalibratedView ReadView(Lines& lines, std::size_t index) {
   if ((R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > kTolerance || R.determinant() < 0.0) {
     lines.Fail("a rotation in the extrinsic matrix", "another matrix");
   }
-  lines.Next("radial");
+  if (lines.Next("radial").find_first_not_of(" \t\r0") != std::string::npos) {
+    LogWarning("camera {} has radial distortion, which is left out of the calibration", index);
+  }
   return view;
 }
 

@@ -1,10 +1,10 @@
 #include "canonpose/data/readers/formats.h"
 
 #include <algorithm>
-#include <cctype>
 #include <system_error>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/names.h"
 #include "canonpose/data/readers/alphapose.h"
 #include "canonpose/data/readers/benchmarks/benchmark.h"
 #include "canonpose/data/readers/coco.h"
@@ -62,10 +62,8 @@ const std::vector<DetectionFormat>& DetectionFormats() {
 }
 
 const DetectionFormat& FindDetectionFormat(std::string_view name) {
-  std::string lower(name);
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
   for (const DetectionFormat& format : DetectionFormats()) {
-    if (format.name == lower) return format;
+    if (SameName(format.name, name)) return format;
   }
   ThrowUsage("there is no format \"{}\"; the formats are {}, and import reads the benchmarks {}", name,
              DetectionFormatNames(), BenchmarkFormatNames());

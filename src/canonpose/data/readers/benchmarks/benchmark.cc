@@ -1,7 +1,6 @@
 #include "canonpose/data/readers/benchmarks/benchmark.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <utility>
 
@@ -9,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/names.h"
 #include "canonpose/data/readers/benchmarks/canonpose_detections.h"
 #include "canonpose/data/readers/benchmarks/h36m.h"
 #include "canonpose/data/readers/benchmarks/mpi_3dhp_test_set.h"
@@ -29,12 +29,9 @@ const std::vector<BenchmarkFormat>& BenchmarkFormats() {
 }
 
 const BenchmarkFormat* FindBenchmarkFormat(std::string_view name) {
-  std::string lower(name);
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  for (const BenchmarkFormat& format : BenchmarkFormats()) {
-    if (format.name == lower) return &format;
-  }
-  return nullptr;
+  const auto found = std::ranges::find_if(BenchmarkFormats(),
+                                          [&](const BenchmarkFormat& format) { return SameName(format.name, name); });
+  return found == BenchmarkFormats().end() ? nullptr : &*found;
 }
 
 std::string BenchmarkFormatNames() {

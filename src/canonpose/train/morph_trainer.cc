@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numbers>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -23,6 +21,7 @@
 #include "canonpose/train/checkpoint.h"
 #include "canonpose/train/optimiser_state.h"
 #include "canonpose/train/run_folder.h"
+#include "canonpose/train/schedule.h"
 #include "canonpose/train/streams.h"
 
 namespace canonpose {
@@ -132,8 +131,7 @@ void MorphRun::TakeStep() {
                      steps());
   }
   loss.backward();
-  const double progress = static_cast<double>(step_) / static_cast<double>(steps());
-  adam_.Step(job_.options.learning_rate * 0.5 * (1.0 + std::cos(std::numbers::pi * progress)));
+  adam_.Step(job_.options.learning_rate * CosineFactor(step_, steps()));
   sums_.total += value;
   ++sums_.steps;
   ++step_;

@@ -26,11 +26,13 @@ double LearningRateFactor(int epoch, int epochs) {
   return factor;
 }
 
+double CosineFactor(std::int64_t step, std::int64_t steps) {
+  const double done = static_cast<double>(step) / static_cast<double>(steps);
+  return 0.5 * (1.0 + std::cos(std::numbers::pi * done));
+}
+
 double LearningRateFactor(const TrainOptions& options, const Schedule& schedule, std::int64_t step) {
-  if (options.schedule == "cosine") {
-    const double done = static_cast<double>(step) / static_cast<double>(schedule.steps());
-    return 0.5 * (1.0 + std::cos(std::numbers::pi * done));
-  }
+  if (options.schedule == "cosine") return CosineFactor(step, schedule.steps());
   return LearningRateFactor(static_cast<int>(step / schedule.steps_per_epoch), schedule.epochs);
 }
 

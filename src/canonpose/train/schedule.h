@@ -20,7 +20,10 @@ Schedule MakeSchedule(const TrainOptions& options, std::size_t frames);
 /// What the learning rate is multiplied by in an epoch, counted from 0: x 0.1 after 30, 60 and 90 % of the epochs.
 double LearningRateFactor(int epoch, int epochs);
 
-/// The same in a step, counted from 0, as `options.schedule` says: of its epoch, or half a cosine from 1 down to 0.
+/// Half a cosine from 1 down to 0, at a step counted from 0.
+double CosineFactor(std::int64_t step, std::int64_t steps);
+
+/// The factor in a step, counted from 0, as `options.schedule` says: of its epoch, or half a cosine from 1 down to 0.
 double LearningRateFactor(const TrainOptions& options, const Schedule& schedule, std::int64_t step);
 
 }  // namespace canonpose

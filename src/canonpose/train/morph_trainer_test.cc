@@ -1,8 +1,7 @@
 #include "canonpose/train/morph_trainer.h"
 
+#include <chrono>
 #include <cmath>
-#include <csignal>
-#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,6 +17,7 @@ namespace {
 using testing::CalibratedShow;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
+using testing::InterruptedAfter;
 using testing::kJoints;
 using testing::PuppetShow;
 using testing::TemporaryFolder;
@@ -112,14 +112,8 @@ TEST(TrainMorph, InterruptedAndResumedGivesTheSameBits) {
   MorphJob job = Job(folder, "pieces", detected, exact);
   int interruptions = 0;
   for (int attempt = 0; attempt < 40; ++attempt) {
-    std::thread interrupter([attempt] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(20 + 15 * attempt));
-      std::raise(SIGTERM);
-    });
-    const auto before = std::signal(SIGTERM, SIG_IGN);
-    const MorphReport report = TrainMorph(job);
-    interrupter.join();
-    std::signal(SIGTERM, before);
+    const MorphReport report =
+        InterruptedAfter(std::chrono::milliseconds(20 + 15 * attempt), [&] { return TrainMorph(job); });
     job.resume = true;
     if (report.interrupted_by != 0) {
       ++interruptions;

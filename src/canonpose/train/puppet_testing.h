@@ -2,10 +2,13 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <thread>
 
 #include <Eigen/Geometry>
 
@@ -95,6 +98,21 @@ inline Dataset CalibratedShow(int frames, int cameras) {
     dataset.sequences[0].cameras[c].calibration = {camera};
   }
   return dataset;
+}
+
+/// What train() returns where a SIGTERM comes after `delay`. One that comes after training has ended does not end the
+/// test.
+template <typename TrainOnce>
+auto InterruptedAfter(std::chrono::milliseconds delay, TrainOnce&& train) {
+  std::thread interrupter([delay] {
+    std::this_thread::sleep_for(delay);
+    std::raise(SIGTERM);
+  });
+  const auto before = std::signal(SIGTERM, SIG_IGN);
+  const auto report = train();
+  interrupter.join();
+  std::signal(SIGTERM, before);
+  return report;
 }
 
 /// A short training on it, on one thread.

@@ -1,9 +1,7 @@
 #include "canonpose/train/restarts.h"
 
 #include <chrono>
-#include <csignal>
 #include <sstream>
-#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +10,7 @@
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/random.h"
 #include "canonpose/base/testing.h"
+#include "canonpose/train/puppet_testing.h"
 #include "canonpose/train/trainer.h"
 
 namespace canonpose {
@@ -19,6 +18,7 @@ namespace {
 
 using testing::ErrorOf;
 using ::testing::HasSubstr;
+using testing::InterruptedAfter;
 using testing::TemporaryFolder;
 
 /// Random bodies of five joints, seen by three cameras from all around.
@@ -151,15 +151,8 @@ TEST_P(RestartsInPieces, InterruptedAndResumedGiveTheSameBitsAndMetrics) {
   job.options.checkpoint_seconds = 0.0;
   int interrupted_restarts = 0;
   for (int attempt = 0; attempt < 200; ++attempt) {
-    std::thread interrupter([attempt] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(40 + 10 * attempt));
-      std::raise(SIGTERM);
-    });
-    // A signal that comes after training has ended must not end the test.
-    const auto before = std::signal(SIGTERM, SIG_IGN);
-    const TrainReport report = Train(job);
-    interrupter.join();
-    std::signal(SIGTERM, before);
+    const TrainReport report =
+        InterruptedAfter(std::chrono::milliseconds(40 + 10 * attempt), [&] { return Train(job); });
     job.resume = true;
     if (report.interrupted_by == 0) break;
     const Checkpoint checkpoint = ReadCheckpoint(job.run_folder / "checkpoint.h5");

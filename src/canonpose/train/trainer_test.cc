@@ -4,7 +4,6 @@
 #include <cmath>
 #include <csignal>
 #include <sstream>
-#include <thread>
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
@@ -29,6 +28,7 @@ using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 using testing::CalibratedShow;
+using testing::InterruptedAfter;
 using testing::kJoints;
 using testing::PuppetShow;
 
@@ -199,15 +199,8 @@ TEST_P(TrainInPieces, InterruptedAndResumedGivesTheSameBitsAndMetrics) {
   job.options.checkpoint_seconds = 0.01;
   int interruptions = 0;
   for (int attempt = 0; attempt < 40; ++attempt) {
-    std::thread interrupter([attempt] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(20 + 15 * attempt));
-      std::raise(SIGTERM);
-    });
-    // A signal that comes after training has ended must not end the test.
-    const auto before = std::signal(SIGTERM, SIG_IGN);
-    const TrainReport report = Train(job);
-    interrupter.join();
-    std::signal(SIGTERM, before);
+    const TrainReport report =
+        InterruptedAfter(std::chrono::milliseconds(20 + 15 * attempt), [&] { return Train(job); });
     job.resume = true;
     if (report.interrupted_by != 0) {
       ++interruptions;
@@ -353,14 +346,8 @@ TEST(Train, CameraConsistencyWithinWindowsServesMovingCamerasAndIsResumable) {
   pieces.run_folder = folder / "pieces";
   pieces.options.checkpoint_seconds = 0.0;
   for (int attempt = 0; attempt < 100; ++attempt) {
-    std::thread interrupter([attempt] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(50 + 10 * attempt));
-      std::raise(SIGTERM);
-    });
-    const auto before = std::signal(SIGTERM, SIG_IGN);
-    const int interrupted_by = Train(pieces).interrupted_by;
-    interrupter.join();
-    std::signal(SIGTERM, before);
+    const int interrupted_by =
+        InterruptedAfter(std::chrono::milliseconds(50 + 10 * attempt), [&] { return Train(pieces).interrupted_by; });
     pieces.resume = true;
     if (interrupted_by == 0) break;
   }

@@ -18,7 +18,11 @@ struct Camera {
     return camera_from_world_rotation * point_in_world_mm + camera_from_world_translation_mm;
   }
   /// The pixel of a point; NaN where it lies behind the camera, or so far off the axis that the distortion folds back.
-  [[nodiscard]] Eigen::Vector2d Project(const Eigen::Vector3d& point_in_world_mm) const;
+  [[nodiscard]] Eigen::Vector2d Project(const Eigen::Vector3d& point_in_world_mm) const {
+    return ProjectFromCamera(InCamera(point_in_world_mm));
+  }
+  /// The same of a point in the camera's frame.
+  [[nodiscard]] Eigen::Vector2d ProjectFromCamera(const Eigen::Vector3d& point_in_camera_mm) const;
   /// Normalised image coordinates (x/z, y/z) of a pixel, the distortion undone by fixed-point iteration to 1e-12; NaN
   /// stays NaN, and so does a pixel so far out that the distortion has no inverse there.
   [[nodiscard]] Eigen::Vector2d Undistort(const Eigen::Vector2d& pixel) const;

@@ -47,11 +47,8 @@ void AddView(const CameraView& view, int frame_count, const Skeleton& skeleton, 
 }
 
 Eigen::Vector2d ProjectTruth(const CameraView& view, int frame, std::size_t index) {
-  const Eigen::Vector3d in_camera(view.truth[3 * index], view.truth[3 * index + 1], view.truth[3 * index + 2]);
-  Camera camera = view.CalibrationAt(frame);
-  camera.camera_from_world_rotation.setIdentity();
-  camera.camera_from_world_translation_mm.setZero();
-  return camera.Project(in_camera);
+  return view.CalibrationAt(frame).ProjectFromCamera(
+      {view.truth[3 * index], view.truth[3 * index + 1], view.truth[3 * index + 2]});
 }
 
 const CameraView& CameraNamed(const Sequence& sequence, const std::string& name, const std::string& file) {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "canonpose/base/error.h"
-#include "canonpose/model/tensors.h"
+#include "canonpose/model/uniform_initialisation.h"
 
 namespace canonpose {
 namespace {

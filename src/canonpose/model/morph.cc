@@ -1,7 +1,7 @@
 #include "canonpose/model/morph.h"
 
 #include "canonpose/base/random.h"
-#include "canonpose/model/tensors.h"
+#include "canonpose/model/uniform_initialisation.h"
 
 namespace canonpose {
 

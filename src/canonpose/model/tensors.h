@@ -15,10 +15,6 @@ h5::Array<float> ToArray(const torch::Tensor& tensor);
 /// A float32 tensor on the CPU that owns its data.
 torch::Tensor ToTensor(const h5::Array<float>& array);
 
-/// Draws all parameters uniformly in +-1/sqrt(fan in) (PyTorch's default for linear layers), from our own generator:
-/// the same on every machine and version.
-void InitialiseUniformly(torch::nn::Module& network, std::uint64_t seed);
-
 /// The statistics that batch normalisation keeps; none of other networks.
 NamedArrays StatisticsOf(const torch::nn::Module& network);
 /// All parameters, and statistics.

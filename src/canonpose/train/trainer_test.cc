@@ -490,7 +490,7 @@ TEST(Train, OneCameraIsNotEnough) {
   const TemporaryFolder folder;
   TrainJob job = Job(folder, "run");
   job.datasets = {PuppetShow(40, 1)};
-  EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { Train(job); }), HasSubstr("two cameras"));
+  EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { Train(job); }), HasSubstr("all recordings have one camera"));
 }
 
 }  // namespace

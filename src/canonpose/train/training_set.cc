@@ -144,6 +144,14 @@ void MakeWeights(std::vector<float>& uncertainties) {
   }
 }
 
+std::size_t MostCameras(const std::vector<Dataset>& datasets) {
+  std::size_t most = 0;
+  for (const Dataset& dataset : datasets) {
+    for (const Sequence& sequence : dataset.sequences) most = std::max(most, sequence.cameras.size());
+  }
+  return most;
+}
+
 }  // namespace
 
 TrainingTarget TargetNamed(const std::string& supervision) {
@@ -206,11 +214,16 @@ TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double val
     ThrowComputation(
         "no frame has a solved 3D pose and a 2D pose to learn from it: look at the output of `canonpose solve`");
   }
+  if (split.training.frames.empty() && MostCameras(datasets) < 2) {
+    ThrowComputation(
+        "all recordings have one camera: learning without labels needs the views of two cameras at least (to lift with "
+        "a model, one is enough)");
+  }
   if (split.training.frames.empty()) {
     ThrowComputation(
         "no frame is seen by two cameras at once ({} frames are seen by one or none): check that the cameras are "
-        "synchronised and "
-        "that the hips are detected",
+        "synchronised "
+        "and that the hips are detected",
         split.frames_left_out);
   }
   return split;

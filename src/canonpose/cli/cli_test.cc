@@ -30,6 +30,7 @@ using ::testing::AllOf;
 using testing::Execute;
 using testing::ExpectBadInput;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::Outcome;
 using testing::Shared;
 using testing::Start;
@@ -253,6 +254,35 @@ TEST(Program, SimulatedCaptureGoesTheWholeWay) {
     EXPECT_EQ(trained.exit_code, 0) << trained.errors;
     EXPECT_THAT(Execute({"evaluate", folder / preset, folder / "a.h5"}).output, HasSubstr("Depth of the poses"));
   }
+}
+
+TEST(Program, MorphsADetectorsJoints) {
+  const TemporaryFolder folder;
+  const auto simulate = [&](const std::string& output, const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = {"simulate", "-o", output, "--seconds", "6", "--fps", "20", "--clips", "3"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return Execute(arguments).exit_code;
+  };
+  ASSERT_EQ(simulate(folder / "a.h5", {"--joint-offset", "2"}), 0);
+  const std::vector<std::string> small = {"--width", "64", "--threads", "1"};
+  const auto train_morph = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "train-morph");
+    arguments.insert(arguments.end(), small.begin(), small.end());
+    return Execute(arguments);
+  };
+  const Outcome good = train_morph({folder / "a.h5", "-o", folder / "morph", "--learning-rate", "0.003"});
+  EXPECT_EQ(good.exit_code, 0) << good.errors;
+  EXPECT_THAT(good.errors, AllOf(HasSubstr("joints of held-out poses are off by"), Not(HasSubstr("warning"))));
+  const Outcome trained = Execute({"train", folder / "a.h5", "-o", folder / "run", "--morph", folder / "morph",
+                                   "--epochs", "1", "--width", "16", "--threads", "1"});
+  EXPECT_EQ(trained.exit_code, 0) << trained.errors;
+  EXPECT_THAT(Execute({"info", folder / "run"}).output, HasSubstr("go through a network of width 64 first"));
+
+  // There is nothing to learn where the detector is exact: what comes out can only be worse, and is told so.
+  ASSERT_EQ(simulate(folder / "exact.h5", {"--noise", "0"}), 0);
+  const Outcome worse = train_morph({folder / "exact.h5", "-o", folder / "worse", "--epochs", "1"});
+  EXPECT_EQ(worse.exit_code, 0) << worse.errors;
+  EXPECT_THAT(worse.errors, HasSubstr("the model makes held-out poses worse"));
 }
 
 TEST(Program, SolvesAndDistils) {

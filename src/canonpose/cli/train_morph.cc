@@ -70,6 +70,11 @@ void RunTrainMorph(const Arguments& arguments) {
   }
   LogInfo("joints of held-out poses are off by {:.2f} % of the pose's size, {:.2f} % before; the model is {}",
           report.after_percent, report.before_percent, (job.run_folder / "model.cpm").string());
+  if (report.after_percent >= report.before_percent) {
+    LogWarning(
+        "the model makes held-out poses worse: do not lift with it; give more poses or --epochs, or lift as the "
+        "detector's joints are");
+  }
 }
 
 }  // namespace

@@ -58,6 +58,11 @@ void KeepFirst(Dataset& dataset, std::size_t count, const std::string& file) {
 
 }  // namespace
 
+void KeepCamerasNamed(Sequence& sequence, const std::vector<std::string>& names) {
+  std::erase_if(sequence.cameras,
+                [&](const CameraView& view) { return std::ranges::find(names, view.name) == names.end(); });
+}
+
 void KeepCameras(Dataset& dataset, const std::string& choice, const std::string& file) {
   const std::set<std::string> known = CameraNames(dataset);
   const std::optional<std::size_t> count = ParseCount(choice);
@@ -71,10 +76,7 @@ void KeepCameras(Dataset& dataset, const std::string& choice, const std::string&
     ThrowBadInput({file, "", fmt::format("a camera {}", name), fmt::format("{}", fmt::join(known, ", ")),
                    "choose cameras that are there"});
   }
-  for (Sequence& sequence : dataset.sequences) {
-    std::erase_if(sequence.cameras,
-                  [&](const CameraView& view) { return std::ranges::find(chosen, view.name) == chosen.end(); });
-  }
+  for (Sequence& sequence : dataset.sequences) KeepCamerasNamed(sequence, chosen);
   std::erase_if(dataset.sequences, [](const Sequence& sequence) { return sequence.cameras.empty(); });
 }
 

@@ -2,10 +2,14 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "canonpose/data/dataset.h"
 
 namespace canonpose {
+
+/// Cuts a sequence down to the cameras of these names; names that it has not change nothing.
+void KeepCamerasNamed(Sequence& sequence, const std::vector<std::string>& names);
 
 /// Cuts every sequence down to the cameras of `choice`: "A,B" by name, or a number N for the first N of each sequence
 /// (unless a camera has that name). Sequences without any disappear. Throws Error(kUsage) where it is no choice,

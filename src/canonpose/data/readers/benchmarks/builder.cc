@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,9 +13,12 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/median.h"
+#include "canonpose/data/choice.h"
 
 namespace canonpose {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
@@ -70,7 +74,7 @@ const Skeleton& TargetNamed(const Skeleton& layout, const std::string& skeleton)
   return target == nullptr ? BenchmarkLayout(skeleton) : *target;
 }
 
-void KeepCameras(Sequence& sequence, const std::vector<std::string>& wanted, const std::string& file) {
+void ChooseCameras(Sequence& sequence, const std::vector<std::string>& wanted, const std::string& file) {
   if (wanted.empty()) return;
   std::vector<std::string> names;
   for (const CameraView& view : sequence.cameras) names.push_back(view.name);
@@ -79,9 +83,7 @@ void KeepCameras(Sequence& sequence, const std::vector<std::string>& wanted, con
     ThrowBadInput({file, sequence.name, fmt::format("camera {}, as --cameras says", name),
                    fmt::format("{}", fmt::join(names, ", ")), "name cameras that are there"});
   }
-  std::erase_if(sequence.cameras, [&](const CameraView& view) {
-    return std::find(wanted.begin(), wanted.end(), view.name) == wanted.end();
-  });
+  KeepCamerasNamed(sequence, wanted);
 }
 
 std::string Count(std::size_t count, const char* what) {
@@ -106,6 +108,27 @@ LayoutMapping MapBenchmark(const Skeleton& layout, const std::string& skeleton) 
   return is_whole ? mapping : MapLayout(layout, mapping.target);  // which says what is missing
 }
 
+std::vector<fs::path> FilesNamed(const std::string& name, const std::vector<fs::path>& paths) {
+  std::vector<fs::path> files;
+  for (const fs::path& path : paths) {
+    std::error_code error;
+    if (!fs::is_directory(path, error)) {
+      files.push_back(path);
+      continue;
+    }
+    const std::size_t before = files.size();
+    for (fs::recursive_directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
+      if (entry->path().filename() == name) files.push_back(entry->path());
+    }
+    if (error) ThrowBadInput({path.string(), "", "a folder that can be read", error.message(), "check the path"});
+    if (files.size() == before) {
+      ThrowBadInput({path.string(), "", fmt::format("files {} in this folder", name), "none", "check the path"});
+    }
+    std::sort(files.begin() + static_cast<std::ptrdiff_t>(before), files.end());
+  }
+  return files;
+}
+
 BenchmarkBuilder::BenchmarkBuilder(const BenchmarkOptions& options, const Skeleton& keypoint_layout,
                                    const Skeleton& truth_layout, const std::string& usual_skeleton)
     : options_(options),
@@ -124,7 +147,7 @@ void BenchmarkBuilder::Add(Sequence sequence, const std::filesystem::path& file)
                    fmt::format("{} for the second time", sequence.name),
                    "give every file once, in the benchmark's own folders"});
   }
-  KeepCameras(sequence, options_.cameras, file.string());
+  ChooseCameras(sequence, options_.cameras, file.string());
   for (CameraView& view : sequence.cameras) {
     MapKeypoints(view, keypoints_);
     if (!view.truth.empty()) view.truth = MapPoses(view.truth, truth_);
@@ -151,12 +174,10 @@ Dataset BenchmarkBuilder::Finish(double confidence_scale) {
 }
 
 double MedianProjectionError(const CameraView& view, const Camera& camera) {
-  Camera at_origin;
-  at_origin.K = camera.K;
-  at_origin.distortion = camera.distortion;
   std::vector<double> distances;
   for (std::size_t i = 0; i < view.confidence.size() && 3 * i + 2 < view.truth.size(); ++i) {
-    const Eigen::Vector2d pixel = at_origin.Project({view.truth[3 * i], view.truth[3 * i + 1], view.truth[3 * i + 2]});
+    const Eigen::Vector2d pixel =
+        camera.ProjectFromCamera({view.truth[3 * i], view.truth[3 * i + 1], view.truth[3 * i + 2]});
     const double distance = (pixel - Eigen::Vector2d(view.keypoints[2 * i], view.keypoints[2 * i + 1])).norm();
     if (std::isfinite(distance)) distances.push_back(distance);
   }

@@ -146,9 +146,6 @@ MatFile::MatFile(const fs::path& path) : state_(std::make_unique<State>()) {
   if (!fs::exists(path, error))
     ThrowBadInput({path.string(), "", "a file", error ? error.message() : "nothing", "check the path"});
   const std::string expected = "a MATLAB file of version 5";
-  if (fs::is_directory(path, error)) {
-    ThrowBadInput({path.string(), "", expected, "a folder", "give the files annot.mat themselves"});
-  }
   if (h5::File::IsHdf5(path)) {
     ThrowBadInput({path.string(), "", expected, "one of version 7.3, which is HDF5",
                    "annot_data.mat of the test set is read by import 3dhp-test"});

@@ -85,13 +85,25 @@ TEST(Mpi3dhpTrainTest, WhatIsWrongIsRefused) {
   EXPECT_THAT(refusal("wrong/train_nan.mat"), HasSubstr("annot3{4}, row 0, joint 3: expected a coordinate, found nan"));
   EXPECT_THAT(refusal("3dhp_test/TS1/annot_data.mat"), HasSubstr("import 3dhp-test"));
   EXPECT_THAT(refusal("h36m/cameras.json"), HasSubstr("another format"));
-  EXPECT_THAT(refusal("3dhp_train"), HasSubstr("a folder"));
+  EXPECT_THAT(refusal("3dhp_test"), HasSubstr("files annot.mat in this folder, found none"));
   EXPECT_THAT(Import(Options("3dhp-train", {"wrong/train_metres.mat"})).log,
               HasSubstr("annot3 is in m, by the length of legs"));
   BenchmarkOptions options = Options("3dhp-train", {kTrain1});
   options.calibration = File("h36m/cameras.json");
   EXPECT_THAT(Refusal(options),
               AllOf(HasSubstr("cameras.json: line 2: expected \"name\""), HasSubstr("seven lines a camera")));
+}
+
+TEST(Mpi3dhpTrainTest, FoldersStandForTheirFiles) {
+  const Dataset files = Import(Options("3dhp-train", {kTrain1, kTrain2})).dataset;
+  const Dataset folder = Import(Options("3dhp-train", {"3dhp_train"})).dataset;
+  EXPECT_EQ(folder.Fingerprint(), files.Fingerprint());
+  EXPECT_EQ(Import(Options("3dhp-test", {"3dhp_test"})).dataset.sequences.size(), 2U);
+  BenchmarkOptions options = Options("3dhp-train", {"3dhp_train"});
+  options.calibration = File("3dhp_train/S1/Seq1/camera.calibration");
+  EXPECT_THAT(Refusal(options, ExitCode::kUsage), HasSubstr("one sequence"));
+  options.paths = {File("3dhp_train/S1")};
+  ExpectTruthProjects(Import(options).dataset.sequences[0].cameras[0], 7, 0.01);
 }
 
 constexpr const char* kTest1 = "3dhp_test/TS1/annot_data.mat";

@@ -45,10 +45,7 @@ void RequireHdf5(const fs::path& path) {
   std::ifstream(path, std::ios::binary).read(start.data(), 10);
   const bool is_old = start == "MATLAB 5.0";
   ThrowBadInput(
-      {path.string(), "", expected,
-       fs::is_directory(path, error) ? "a folder"
-       : is_old                      ? "one of version 5"
-                                     : "another format",
+      {path.string(), "", expected, is_old ? "one of version 5" : "another format",
        is_old ? "annot.mat of the training set is read by import 3dhp-train" : "give annot_data.mat as published"});
 }
 
@@ -147,7 +144,7 @@ class Importer {
   Dataset Run() {
     const Skeleton& layout = BenchmarkLayout("3dhp-17");
     BenchmarkBuilder builder(options_, layout, layout, "h36m-17");
-    for (const fs::path& path : options_.paths) builder.Add(ReadSequence(path), path);
+    for (const fs::path& path : FilesNamed("annot_data.mat", options_.paths)) builder.Add(ReadSequence(path), path);
     LogInfo("truth is {}{}; the annotations have no confidences: all are 1", truth_,
             truth_ == "annot3" ? ", the poses as they were; published results compare with univ_annot3"
                                : ", scaled to one height, which published results compare with (annot3: as they were)");

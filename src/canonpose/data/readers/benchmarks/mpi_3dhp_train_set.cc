@@ -158,8 +158,15 @@ std::vector<Matrix> ReadAnnotation(const MatFile& file, const std::string& name,
 class Importer {
  public:
   explicit Importer(const BenchmarkOptions& options)
-      : options_(options), truth_(options.truth.empty() ? "annot3" : options.truth) {
-    if (!options.calibration.empty()) rig_ = ReadRig(options.calibration);
+      : options_(options),
+        files_(FilesNamed("annot.mat", options.paths)),
+        truth_(options.truth.empty() ? "annot3" : options.truth) {
+    if (options.calibration.empty()) return;
+    if (files_.size() > 1) {
+      ThrowUsage("--calibration belongs to one sequence, and {} files are given; import them one by one",
+                 files_.size());
+    }
+    rig_ = ReadRig(options.calibration);
   }
 
   Dataset Run() {
@@ -169,7 +176,7 @@ class Importer {
     // The 17 joints of the test set are the benchmark's own: models are compared on those.
     if (is_native) options.skeleton.clear();
     BenchmarkBuilder builder(options, layout, layout, is_native ? "3dhp-17" : "h36m-17");
-    for (const fs::path& path : options_.paths) builder.Add(ReadSequence(path), path);
+    for (const fs::path& path : files_) builder.Add(ReadSequence(path), path);
     LogInfo("truth is {}{}; the annotations have no confidences: all are 1", truth_,
             truth_ == "annot3" ? ", the poses as they were (univ_annot3: scaled to one height, with --truth)"
                                : ", scaled to one height (annot3: the poses as they were, with --truth)");
@@ -231,6 +238,7 @@ class Importer {
   }
 
   const BenchmarkOptions& options_;
+  std::vector<fs::path> files_;
   std::string truth_;
   std::optional<std::vector<CalibratedView>> rig_;
   SideReport sides_;
@@ -238,12 +246,6 @@ class Importer {
 
 }  // namespace
 
-Dataset ImportMpi3dhpTrain(const BenchmarkOptions& options) {
-  if (!options.calibration.empty() && options.paths.size() > 1) {
-    ThrowUsage("--calibration belongs to one sequence, and {} files are given; import them one by one",
-               options.paths.size());
-  }
-  return Importer(options).Run();
-}
+Dataset ImportMpi3dhpTrain(const BenchmarkOptions& options) { return Importer(options).Run(); }
 
 }  // namespace canonpose

@@ -1,5 +1,7 @@
 """What the experiments share: running the program, several trainings at a time, and tables."""
+import argparse
 import concurrent.futures
+import hashlib
 import json
 import pathlib
 import re
@@ -30,6 +32,29 @@ def run(*arguments):
     if result.returncode != 0:
         raise SystemExit(f"canonpose {' '.join(map(str, arguments))}\n{result.stderr}")
     return result.stdout
+
+
+def positive(text):
+    """For argparse: a whole number from 1 on."""
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text} is no whole number from 1 on")
+    return int(text)
+
+
+def require_protocol(name):
+    known = re.findall(r"^ *([^ :]+): ", run("evaluate", "--list-protocols"), re.MULTILINE)
+    if name not in known:
+        raise SystemExit(f"error: there is no protocol {name}; there are {', '.join(known)}")
+
+
+def identity(path):
+    """A file's path and content in short, for the recipe of an experiment; nothing without a path."""
+    if path is None:
+        return None
+    if not path.is_file():
+        raise SystemExit(f"error: {path}: expected a dataset, found {'a folder' if path.is_dir() else 'nothing'}; check the path")
+    with path.open("rb") as file:
+        return [str(path), hashlib.file_digest(file, "sha256").hexdigest()]
 
 
 def evaluate(run_folder, data, *options):

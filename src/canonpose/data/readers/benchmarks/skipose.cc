@@ -87,7 +87,8 @@ class LabelsFile {
     if ((R * R.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() > kRounding || R.determinant() < 0.0) {
       Fail("R_cam_2_world", i, "a rotation matrix");
     }
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R.transpose(), Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::Matrix3d camera_from_world = rotations_are_camera_from_world_ ? R : Matrix3(R.transpose());
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(camera_from_world, Eigen::ComputeFullU | Eigen::ComputeFullV);
     row.camera.camera_from_world_rotation = svd.matrixU() * svd.matrixV().transpose();
     row.camera.camera_from_world_translation_mm = -(row.camera.camera_from_world_rotation * row.place);
     return row;
@@ -95,6 +96,9 @@ class LabelsFile {
 
   [[nodiscard]] const std::vector<double>& poses() const { return poses_; }
   [[nodiscard]] const std::string& path() const { return path_; }
+
+  /// From now on R_cam_2_world counts as what it is not called: camera_from_world.
+  void InvertRotations() { rotations_are_camera_from_world_ = !rotations_are_camera_from_world_; }
 
   /// Gives the right leg's joints to the left and back.
   void SwapLegs() {
@@ -152,6 +156,7 @@ class LabelsFile {
   std::vector<double> intrinsic_;
   std::vector<double> position_;
   std::vector<double> rotation_;
+  bool rotations_are_camera_from_world_ = false;
 };
 
 // ------------------------------------------------------------------------------------------- the frame of the poses
@@ -243,6 +248,50 @@ const Frame& TellFrame(const LabelsFile& file) {
   return kFrames[best];
 }
 
+/// Median distance, in the file's unit, between the joints about the root that two cameras of one frame have in the
+/// world; NaN where no frame has two. Poses are in their cameras' frames.
+double DisagreementInWorld(const LabelsFile& file) {
+  std::map<std::tuple<int, int, int>, Points> first;  // by subject, sequence and frame
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < file.size(); ++i) {
+    const Row row = file.At(i);
+    const auto [subject, sequence] = file.KeyOf(i);
+    const Points about_root = row.pose.rowwise() - row.pose.row(0);
+    const Points in_world = about_root * row.camera.camera_from_world_rotation;
+    const auto [other, is_first] = first.emplace(std::tuple(subject, sequence, row.frame), in_world);
+    if (is_first) continue;
+    for (Eigen::Index j = 1; j < in_world.rows(); ++j) {
+      distances.push_back((in_world.row(j) - other->second.row(j)).norm());
+    }
+  }
+  return distances.empty() ? std::nan("") : Median(std::move(distances));
+}
+
+/// Poses in the cameras' frames say nothing of the cameras' rotations, unless two cameras see the same frame.
+void CheckRotations(LabelsFile& file, double mm) {
+  constexpr double kAgreeMm = 100.0;
+  const double apart_mm = mm * DisagreementInWorld(file);
+  if (std::isnan(apart_mm)) return;
+  if (apart_mm <= kAgreeMm) {
+    LogInfo("{}: by R_cam_2_world, cameras have joints {:.1f} mm apart in the world (median)", file.path(), apart_mm);
+    return;
+  }
+  file.InvertRotations();
+  const double inverted_mm = mm * DisagreementInWorld(file);
+  if (inverted_mm <= kAgreeMm) {
+    LogWarning(
+        "{}: R_cam_2_world leads from the world to the camera, by which cameras have joints {:.1f} mm apart in the "
+        "world; as it is called, {:.0f} mm; inverted",
+        file.path(), inverted_mm, apart_mm);
+    return;
+  }
+  file.InvertRotations();
+  LogWarning(
+      "{}: by R_cam_2_world, cameras have joints {:.0f} mm apart in the world: do not trust a triangulation; training "
+      "and evaluation do not use it",
+      file.path(), apart_mm);
+}
+
 // --------------------------------------------------------------------------------------------------------- sequences
 
 std::vector<fs::path> FindFiles(const fs::path& path) {
@@ -311,6 +360,7 @@ class Importer {
     const PoseUnit unit = TellUnit(layout, poses, path.string(), "/3D");
     LogInfo("{}: 3D is in {}, as legs are {:.0f} mm long", path.string(), unit.name, unit.leg_mm);
     const Frame& frame = TellFrame(file);
+    if (!frame.is_world) CheckRotations(file, unit.mm_per_unit);
     RenameLegs(file, frame);
     std::map<Key, std::map<int, std::map<int, Row>>> sequences;  // by camera and frame
     for (std::size_t i = 0; i < file.size(); ++i) {

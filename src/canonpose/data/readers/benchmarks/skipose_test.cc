@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -90,6 +91,28 @@ TEST(SkiPoseTest, FrameAndUnitOfPosesAreFound) {
       EXPECT_NEAR(dataset.sequences[0].cameras[0].truth[i], original.sequences[0].cameras[0].truth[i], 0.1);
     }
   }
+}
+
+TEST(SkiPoseTest, RotationsAreCheckedBetweenCameras) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(Import(Options("skipose", {"skipose/test"})).log, HasSubstr("joints 0.0 mm apart in the world"));
+  SkiRows inverse;
+  SkiRows wrong;
+  using Rotation = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  for (std::size_t i = 0; i < inverse.size(); ++i) {
+    Eigen::Map<Rotation>(&inverse["R_cam_2_world"][9 * i]).transposeInPlace();
+    const double angle = 2.0 * wrong["cam"][i];
+    Eigen::Map<Rotation> rotation(&wrong["R_cam_2_world"][9 * i]);
+    rotation = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()) * rotation;
+  }
+  const auto [dataset, log] = Import(Options("skipose", {inverse.Write(folder / "labels.h5")}));
+  EXPECT_THAT(log, HasSubstr("R_cam_2_world leads from the world to the camera"));
+  const Dataset original = Import(Options("skipose", {"skipose/test"})).dataset;
+  const Camera& camera = dataset.sequences[0].cameras[1].calibration[0];
+  const Camera& truth = original.sequences[0].cameras[1].calibration[0];
+  EXPECT_TRUE(camera.camera_from_world_rotation.isApprox(truth.camera_from_world_rotation, 1e-6));
+  EXPECT_THAT(Import(Options("skipose", {wrong.Write(folder / "labels.h5")})).log,
+              HasSubstr("do not trust a triangulation"));
 }
 
 TEST(SkiPoseTest, LegsUnderTheOtherSidesNameAreRenamed) {

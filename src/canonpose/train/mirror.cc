@@ -133,6 +133,15 @@ bool UpdateMirrorDecision(const PerspectiveSlope& slope, const std::string& wish
     LogInfo("mirror: {} at the warm-up, which stands ({} now tells too little)", decision.decision, slope.Describe());
     return false;
   }
+  if (!slope.is_sure() && slope.clips < kLeastClips) {
+    decision = {"undecided", slope.slope, slope.standard_error};
+    LogWarning(
+        "mirror: {} clips are too few to tell the pose from its depth mirror ({}; {} clips are needed); record more, "
+        "or "
+        "look at the poses and train again with --mirror keep or --mirror flip",
+        slope.clips, slope.Describe(), kLeastClips);
+    return false;
+  }
   if (!slope.is_sure()) {
     decision = {"undecided", slope.slope, slope.standard_error};
     LogWarning(

@@ -74,7 +74,7 @@ int WriteAndClose(int descriptor, std::string_view contents) {
 }  // namespace
 
 void ThrowCannotWrite(const fs::path& path, int error_number) {
-  std::string advice = "choose another place with -o, or make this one writable";
+  std::string advice = "choose another place, or make this one writable";
   if (error_number == ENOSPC || error_number == EFBIG || error_number == EDQUOT) {
     advice = "free some space and run the command again; the file that was there before is untouched";
   }

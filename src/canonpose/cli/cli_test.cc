@@ -137,6 +137,7 @@ TEST(Program, UsageMistakesExitWithTwo) {
   EXPECT_EQ(Execute({"train", folder / "data.h5", "-o", folder / "run", "--set", "nonsense=1"}).exit_code, 2);
   EXPECT_EQ(Execute({"train", folder / "data.h5", "-o", folder / "run", "--preset", "nonsense"}).exit_code, 2);
   EXPECT_EQ(Execute({"train", folder / "data.h5", "-o", folder / "run", "--frames", "9-3"}).exit_code, 2);
+  EXPECT_EQ(Execute({"train", folder / "data.h5", folder / "data.h5", "-o", folder / "run"}).exit_code, 2);
   EXPECT_EQ(Execute({"lift", "model", "data", "-o", folder / "poses.xyz"}).exit_code, 2);
 }
 
@@ -273,6 +274,7 @@ TEST(Program, MorphsADetectorsJoints) {
   const Outcome good = train_morph({folder / "a.h5", "-o", folder / "morph", "--learning-rate", "0.003"});
   EXPECT_EQ(good.exit_code, 0) << good.errors;
   EXPECT_THAT(good.errors, AllOf(HasSubstr("joints of held-out poses are off by"), Not(HasSubstr("warning"))));
+  EXPECT_EQ(train_morph({folder / "a.h5", "-o", folder / "none", "--subjects", "nobody"}).exit_code, 3);
   const Outcome trained = Execute({"train", folder / "a.h5", "-o", folder / "run", "--morph", folder / "morph",
                                    "--epochs", "1", "--width", "16", "--threads", "1"});
   EXPECT_EQ(trained.exit_code, 0) << trained.errors;

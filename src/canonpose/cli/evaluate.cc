@@ -103,6 +103,10 @@ EvaluationReport EvaluatePaths(const Arguments& arguments, FrameErrors* frame_er
   if (arguments.paths.size() < 2) ThrowUsage("give the data to evaluate {} on", first.string());
   job.files.erase(job.files.begin());
   const PoseLifter lifter = PoseLifter::Open(first, arguments.device);
+  if (arguments.canonical && lifter.info().network == "martinez") {
+    ThrowUsage("--canonical is for models with a canonical pose: {} predicts poses in the camera alone",
+               first.string());
+  }
   return EvaluateDatasets(job, ModelPoses(lifter));
 }
 

@@ -112,6 +112,24 @@ TEST(EvaluateProgram, TruthOfAnotherKindOrUnknownIsToldAndWarnedOf) {
   }
 }
 
+TEST(EvaluateProgram, WhatAProtocolMissesIsWarnedOf) {
+  const TemporaryFolder folder;
+  const std::string whole = TestData("protocols/h36m.h5");
+  EXPECT_TRUE(Evaluated({whole, "--protocol", "h36m-1"})["warnings"].empty());
+  Dataset dataset = ReadDataset(whole);
+  std::erase_if(dataset.sequences, [](const Sequence& sequence) { return sequence.subject == "S11"; });
+  WriteDataset(folder / "s9.h5", dataset);
+  EXPECT_THAT(Evaluated({folder / "s9.h5", "--protocol", "h36m-1"})["warnings"].dump(),
+              HasSubstr("the data have no truth of S11"));
+  dataset = ReadDataset(whole);
+  for (Sequence& sequence : dataset.sequences) {
+    if (sequence.subject == "S9") sequence.cameras.front().truth.clear();
+  }
+  WriteDataset(folder / "less.h5", dataset);
+  EXPECT_THAT(Evaluated({folder / "less.h5", "--protocol", "h36m-1"})["warnings"].dump(),
+              HasSubstr("views have no truth and are left out"));
+}
+
 TEST(EvaluateProgram, FramesAreCountedFromTheFilesFirst) {
   const std::string data = TestData("protocols/h36m.h5");
   const TemporaryFolder folder;
@@ -195,6 +213,11 @@ TEST(EvaluateProgram, CanonicalPosesAreAModelsAffair) {
   EXPECT_GT(canonical["views_mm"], 0.0);
   EXPECT_GT(canonical["frames_mm"], 0.0);
   EXPECT_EQ(Execute({"evaluate", TestData("protocols/h36m.h5"), "--canonical"}).exit_code, 2);
+  ASSERT_EQ(
+      Execute({"train", data, "-o", folder / "martinez", "--preset", "martinez", "--width", "16", "--epochs", "1"})
+          .exit_code,
+      0);
+  EXPECT_EQ(Execute({"evaluate", folder / "martinez", data, "--canonical"}).exit_code, 2);
   EXPECT_EQ(Execute({"evaluate", data, "--triangulate", "--canonical"}).exit_code, 2);
   EXPECT_EQ(Execute({"evaluate", folder / "run", data, "--triangulate"}).exit_code, 2);
 }

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/names.h"
 #include "canonpose/base/progress.h"
 #include "canonpose/evaluate/canonical.h"
 #include "canonpose/evaluate/reference.h"
@@ -36,6 +37,7 @@ class Run {
   void AddCanonical(const std::vector<std::vector<float>>& canonical,
                     const std::vector<std::vector<PoseErrors>>& errors, int frame_count);
   void TellTruthKind(EvaluationReport& report) const;
+  void TellWhatIsMissing(EvaluationReport& report) const;
   [[noreturn]] void ThrowNothingLeft() const;
 
   const DatasetEvaluation& job_;
@@ -49,6 +51,9 @@ class Run {
   std::int64_t left_out_sequences_ = 0;
   std::int64_t sequences_too_short_ = 0;
   std::vector<std::string> left_out_subjects_;
+  std::set<std::string> subjects_;  ///< of the views that are compared
+  std::int64_t views_ = 0;
+  std::int64_t views_without_truth_ = 0;
   long views_done_ = 0;
 };
 
@@ -97,7 +102,12 @@ void Run::AddSequence(const Sequence& sequence, const SequenceReference& referen
     const std::string& camera = sequence.cameras[c].name;
     progress.Update(views_done_++, fmt::format("{} {}", sequence.name, camera));
     const std::vector<float>& truth = reference.poses_in_camera[c];
-    if (truth.empty()) continue;
+    ++views_;
+    if (truth.empty()) {
+      ++views_without_truth_;
+      continue;
+    }
+    subjects_.insert(sequence.subject);
     PredictedPoses predicted = predictor_.predict(sequence, c);
     if (predicted.pose_in_camera.empty()) {
       predicted.pose_in_camera.assign(truth.size(), std::numeric_limits<float>::quiet_NaN());
@@ -142,6 +152,23 @@ void Run::TellTruthKind(EvaluationReport& report) const {
                                                                   : fmt::format("this is {}", report.truth_kind)));
 }
 
+void Run::TellWhatIsMissing(EvaluationReport& report) const {
+  std::vector<std::string> missing;
+  for (const std::string& wanted : job_.protocol.subjects) {
+    if (std::none_of(subjects_.begin(), subjects_.end(), [&](const std::string& s) { return SameName(s, wanted); })) {
+      missing.push_back(wanted);
+    }
+  }
+  if (!missing.empty()) {
+    report.warnings.push_back(fmt::format("{} evaluates {}, but the data have no truth of {}", job_.protocol.name,
+                                          fmt::join(job_.protocol.subjects, " and "), fmt::join(missing, " and ")));
+  }
+  if (views_without_truth_ > 0) {
+    report.warnings.push_back(
+        fmt::format("{} of {} views have no truth and are left out", views_without_truth_, views_));
+  }
+}
+
 void Run::ThrowNothingLeft() const {
   const Protocol& protocol = job_.protocol;
   const std::string file = job_.files.front().string();
@@ -162,6 +189,7 @@ EvaluationReport Run::Finish() {
   if (!evaluation_) ThrowNothingLeft();
   EvaluationReport report = evaluation_->Finish(reference_.Kind(), job_.files.front().string());
   TellTruthKind(report);
+  TellWhatIsMissing(report);
   report.left_out_sequences = left_out_sequences_;
   report.cameras = cameras_.Medians();
   if (canonical_) report.canonical = canonical_->Finish();

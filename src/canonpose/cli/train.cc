@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -69,7 +70,18 @@ TrainOptions ResolveOptions(const Arguments& arguments) {
   return options;
 }
 
+/// The frames that validation holds out of one copy would be trained on in the other.
+void RequireDifferentFiles(const std::vector<fs::path>& files) {
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      std::error_code error;
+      if (fs::equivalent(files[i], files[j], error)) ThrowUsage("{} is given twice", files[i].string());
+    }
+  }
+}
+
 void RunTrain(const Arguments& arguments) {
+  RequireDifferentFiles(arguments.data);
   TrainJob job;
   job.options = ResolveOptions(arguments);
   job.run_folder = arguments.run_folder;

@@ -9,6 +9,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/cli/commands.h"
+#include "canonpose/data/choice.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/train/morph_trainer.h"
 
@@ -22,6 +23,7 @@ struct Arguments {
   std::vector<fs::path> exact;
   fs::path run_folder;
   MorphOptions options;
+  std::string subjects;
   bool resume = false;
   bool overwrite = false;
 };
@@ -38,7 +40,8 @@ MorphJob MakeJob(const Arguments& arguments) {
   job.overwrite = arguments.overwrite;
   for (std::size_t i = 0; i < arguments.detected.size(); ++i) {
     const std::string file = arguments.detected[i].string();
-    const Dataset detected = ReadDataset(arguments.detected[i]);
+    Dataset detected = ReadDataset(arguments.detected[i]);
+    if (!arguments.subjects.empty()) KeepSubjects(detected, arguments.subjects, file);
     if (i == 0) {
       job.skeleton = detected.skeleton;
       job.source = detected.source;
@@ -89,6 +92,7 @@ void AddTrainMorphCommand(CLI::App& app) {
   command->add_option("--exact", arguments->exact,
                       "The same recordings with true keypoints, one file for each (default: the truth of the datasets "
                       "themselves, seen by their calibrated cameras)");
+  command->add_option("--subjects", arguments->subjects, "Learn from these subjects only: A,B")->type_name("NAMES");
   command->add_option("--epochs", options.epochs, "Times to go through the poses")->capture_default_str();
   command->add_option("--width", options.width, "Width of the network's layers")->capture_default_str();
   command->add_option("--batch-poses", options.batch_poses, "Poses a step")->capture_default_str();

@@ -41,6 +41,13 @@ def positive(text):
     return int(text)
 
 
+def add_train_options(parser, default):
+    """To be added last: what follows the option is no longer the experiment's."""
+    parser.add_argument("--train-options", nargs=argparse.REMAINDER, default=default, metavar="OPTION",
+                        help="the last option here: all that follows goes to every training, "
+                             "such as --train-options --width 1024 --epochs 100")
+
+
 def require_protocol(name):
     known = re.findall(r"^ *([^ :]+): ", run("evaluate", "--list-protocols"), re.MULTILINE)
     if name not in known:

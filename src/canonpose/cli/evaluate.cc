@@ -103,7 +103,7 @@ EvaluationReport EvaluatePaths(const Arguments& arguments, FrameErrors* frame_er
   if (arguments.paths.size() < 2) ThrowUsage("give the data to evaluate {} on", first.string());
   job.files.erase(job.files.begin());
   const PoseLifter lifter = PoseLifter::Open(first, arguments.device);
-  if (arguments.canonical && lifter.info().network == "martinez") {
+  if (arguments.canonical && lifter.info().network != "canonical") {
     ThrowUsage("--canonical is for models with a canonical pose: {} predicts poses in the camera alone",
                first.string());
   }

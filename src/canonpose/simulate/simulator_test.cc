@@ -54,11 +54,9 @@ TEST_P(NoiseFree, KeypointsAreTheProjectionsOfTheTruth) {
         if (view.confidence[i] == 0.0F) continue;
         ++seen;
         ASSERT_EQ(view.confidence[i], 1.0F);
-        // The truth is in the camera's frame already.
-        Camera camera = view.CalibrationAt(frame);
-        camera.camera_from_world_rotation.setIdentity();
-        camera.camera_from_world_translation_mm.setZero();
-        const Eigen::Vector2d pixel = camera.Project({view.truth[3 * i], view.truth[3 * i + 1], view.truth[3 * i + 2]});
+        const Camera& camera = view.CalibrationAt(frame);
+        const Eigen::Vector2d pixel =
+            camera.ProjectFromCamera({view.truth[3 * i], view.truth[3 * i + 1], view.truth[3 * i + 2]});
         ASSERT_NEAR(view.keypoints[2 * i], pixel.x(), 2e-3) << view.name;
         ASSERT_NEAR(view.keypoints[2 * i + 1], pixel.y(), 2e-3) << view.name;
       }

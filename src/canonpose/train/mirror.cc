@@ -133,22 +133,19 @@ bool UpdateMirrorDecision(const PerspectiveSlope& slope, const std::string& wish
     LogInfo("mirror: {} at the warm-up, which stands ({} now tells too little)", decision.decision, slope.Describe());
     return false;
   }
-  if (!slope.is_sure() && slope.clips < kLeastClips) {
-    decision = {"undecided", slope.slope, slope.standard_error};
-    LogWarning(
-        "mirror: {} clips are too few to tell the pose from its depth mirror ({}; {} clips are needed); record more, "
-        "or "
-        "look at the poses and train again with --mirror keep or --mirror flip",
-        slope.clips, slope.Describe(), kLeastClips);
-    return false;
-  }
   if (!slope.is_sure()) {
     decision = {"undecided", slope.slope, slope.standard_error};
-    LogWarning(
-        "mirror: perspective is too weak to tell the pose from its depth mirror ({}, {:.1f} standard errors; {} are "
-        "needed), or training found no good solution; try another --seed, or look at the poses and train again with "
-        "--mirror keep or --mirror flip",
-        slope.Describe(), slope.sureness(), PerspectiveSlope::kSure);
+    const std::string reason =
+        slope.clips < kLeastClips
+            ? fmt::format(
+                  "{} clips are too few to tell the pose from its depth mirror ({}; {} clips are needed); "
+                  "record more",
+                  slope.clips, slope.Describe(), kLeastClips)
+            : fmt::format(
+                  "perspective is too weak to tell the pose from its depth mirror ({}, {:.1f} standard errors; "
+                  "{} are needed), or training found no good solution; try another --seed",
+                  slope.Describe(), slope.sureness(), PerspectiveSlope::kSure);
+    LogWarning("mirror: {}, or look at the poses and train again with --mirror keep or --mirror flip", reason);
     return false;
   }
   if (!decided_before || slope.is_mirrored()) {

@@ -93,8 +93,6 @@ void NewViews::AddRow(const std::vector<Dataset>& datasets, const RowForm& form,
   const std::vector<Camera>& cameras = TargetCameras(view, form.target);
   if (cameras.empty()) return;
   Lens lens{cameras[cameras.size() == 1 ? 0 : static_cast<std::size_t>(source.frame)], {}};
-  lens.camera.camera_from_world_rotation.setIdentity();
-  lens.camera.camera_from_world_translation_mm.setZero();
   if (!lens.camera.K.allFinite()) return;
   if (turns_) lens.turned = PoseInput(form.input, dataset.skeleton).PinholeOf(view, source.frame);
 
@@ -104,7 +102,7 @@ void NewViews::AddRow(const std::vector<Dataset>& datasets, const RowForm& form,
   std::copy_n(TargetPoses(view, form.target).begin() + static_cast<std::ptrdiff_t>(3 * first), 3 * joints,
               poses_.begin() + static_cast<std::ptrdiff_t>(3 * offset));
   std::vector<Eigen::Vector2d> projected;
-  for (int j = 0; j < joints_; ++j) projected.push_back(lens.camera.Project(Joint(row, j)));
+  for (int j = 0; j < joints_; ++j) projected.push_back(lens.camera.ProjectFromCamera(Joint(row, j)));
   const double size_px = SizeInImage(projected, root_);
   if (!(size_px > 0.0)) return;
   for (std::size_t j = 0; j < joints; ++j) {
@@ -160,7 +158,7 @@ bool NewViews::See(int set_row, const NewCamera& camera, const TrainingRow& row)
     const Eigen::Vector3d point = camera.rotation * (Joint(set_row, static_cast<int>(j)) - old_root) + root;
     for (std::size_t axis = 0; axis < 3; ++axis)
       pose[3 * j + axis] = static_cast<float>(point[static_cast<Eigen::Index>(axis)]);
-    projected[j] = lens.camera.Project(point);
+    projected[j] = lens.camera.ProjectFromCamera(point);
   }
   const double size_px = SizeInImage(projected, root_);
   const std::size_t place = static_cast<std::size_t>(camera.place) * joints;

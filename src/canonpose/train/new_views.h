@@ -45,7 +45,7 @@ class NewViews {
 
  private:
   struct Lens {
-    Camera camera;   ///< intrinsics and distortion alone: what is in the camera is in the world
+    Camera camera;   ///< of which intrinsics and distortion alone are used
     Pinhole turned;  ///< what the network's input is turned with
   };
   void AddRow(const std::vector<Dataset>& datasets, const RowForm& form, int row);

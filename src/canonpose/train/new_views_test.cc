@@ -46,15 +46,14 @@ Dataset Filmed(double noise) {
     camera.distortion = {-0.1, 0.02, 0.001, 0.0};
     camera.camera_from_world_rotation = rotation;
     view.calibration = {camera};
-    Camera lens = camera;
-    lens.camera_from_world_rotation.setIdentity();
     for (int t = 0; t < kFrames; ++t) {
       const Eigen::Vector3d root(rng.Uniform(-800, 800), rng.Uniform(-500, 500), rng.Uniform(3500, 5000));
       for (int j = 0; j < kJoints; ++j) {
         Eigen::Vector3d point = root;
         if (j != dataset.skeleton.root) point += 400.0 * Eigen::Vector3d(rng.Normal(), rng.Normal(), rng.Normal());
         for (const double value : point) view.truth.push_back(static_cast<float>(value));
-        const Eigen::Vector2d pixel = lens.Project(point) + 100.0 * noise * Eigen::Vector2d(rng.Normal(), rng.Normal());
+        const Eigen::Vector2d pixel =
+            camera.ProjectFromCamera(point) + 100.0 * noise * Eigen::Vector2d(rng.Normal(), rng.Normal());
         view.keypoints.push_back(static_cast<float>(pixel.x()));
         view.keypoints.push_back(static_cast<float>(pixel.y()));
         view.confidence.push_back(static_cast<float>(rng.Uniform(0.3, 1.0)));

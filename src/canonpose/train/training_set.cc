@@ -222,8 +222,7 @@ TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double val
   if (split.training.frames.empty()) {
     ThrowComputation(
         "no frame is seen by two cameras at once ({} frames are seen by one or none): check that the cameras are "
-        "synchronised "
-        "and that the hips are detected",
+        "synchronised and that the hips are detected",
         split.frames_left_out);
   }
   return split;

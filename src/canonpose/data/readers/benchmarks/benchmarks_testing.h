@@ -83,10 +83,9 @@ inline void ExpectTruthProjects(const CameraView& view, int frames, double toler
   const std::size_t joints = view.confidence.size() / static_cast<std::size_t>(frames);
   for (std::size_t i = 0; i < view.confidence.size(); ++i) {
     if (std::isnan(view.truth[3 * i])) continue;
-    Camera camera = view.CalibrationAt(static_cast<int>(i / joints));
-    camera.camera_from_world_rotation.setIdentity();
-    camera.camera_from_world_translation_mm.setZero();
-    const Eigen::Vector2d pixel = camera.Project({view.truth[3 * i], view.truth[3 * i + 1], view.truth[3 * i + 2]});
+    const Camera& camera = view.CalibrationAt(static_cast<int>(i / joints));
+    const Eigen::Vector2d pixel =
+        camera.ProjectFromCamera({view.truth[3 * i], view.truth[3 * i + 1], view.truth[3 * i + 2]});
     ASSERT_NEAR(pixel.x(), view.keypoints[2 * i], tolerance_px) << view.name << " " << i;
     ASSERT_NEAR(pixel.y(), view.keypoints[2 * i + 1], tolerance_px) << view.name << " " << i;
   }

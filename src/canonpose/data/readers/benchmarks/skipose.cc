@@ -287,8 +287,8 @@ void CheckRotations(LabelsFile& file, double mm) {
   }
   file.InvertRotations();
   LogWarning(
-      "{}: by R_cam_2_world, cameras have joints {:.0f} mm apart in the world: do not trust a triangulation; training "
-      "and evaluation do not use it",
+      "{}: by R_cam_2_world, cameras have joints {:.0f} mm apart in the world: do not trust a triangulation or what "
+      "preset epipolar learns from it; nothing else uses the rotations",
       file.path(), apart_mm);
 }
 

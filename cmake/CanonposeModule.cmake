@@ -1,10 +1,12 @@
-# canonpose_module(NAME SOURCES ... [LINKS ...] [PRIVATE_LINKS ...] [TESTS ...] [TEST_LINKS ...] [PRECOMPILE ...])
+# canonpose_module(NAME SOURCES ... [TORCH_SOURCES ...] [LINKS ...] [PRIVATE_LINKS ...] [TESTS ...] [TORCH_TESTS ...] [TEST_LINKS ...])
 #
 # A folder of src/canonpose as a static library canonpose_NAME, with its tests as NAME_test. LINKS names modules above it
-# in the layout and third-party targets that its headers need; PRIVATE_LINKS those that only its sources need. PRECOMPILE names
-# headers that take long to compile (LibTorch's take 20 s).
+# in the layout and third-party targets that its headers need; PRIVATE_LINKS those that only its sources need. TORCH_SOURCES and
+# TORCH_TESTS are those that include LibTorch's headers, which take 20 s to compile: they share a precompiled header, and in builds
+# with CMAKE_UNITY_BUILD (preset release) few compiler calls.
 
 add_library(canonpose_options INTERFACE)
+target_link_libraries(canonpose_options INTERFACE canonpose_openblas)
 target_include_directories(canonpose_options INTERFACE ${PROJECT_SOURCE_DIR}/src)
 target_compile_options(canonpose_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
                                                    $<$<BOOL:${CANONPOSE_WERROR}>:-Werror>)
@@ -18,30 +20,54 @@ if(CANONPOSE_SANITIZE)
   target_link_options(canonpose_options INTERFACE -fsanitize=address,undefined)
 endif()
 
+# LibTorch's headers, compiled once for all that include them.
+file(WRITE ${PROJECT_BINARY_DIR}/torch_headers.cc "// Its precompiled header is all that is wanted of it.\n")
+add_library(canonpose_torch_headers OBJECT ${PROJECT_BINARY_DIR}/torch_headers.cc)
+target_link_libraries(canonpose_torch_headers PRIVATE canonpose_options canonpose_torch)
+target_precompile_headers(canonpose_torch_headers PRIVATE <torch/torch.h>)
+
+# canonpose_torch_objects(NAME SOURCES ... LINKS ...): objects of sources that include LibTorch's headers.
+function(canonpose_torch_objects name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  add_library(${name} OBJECT ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE canonpose_options canonpose_torch ${ARG_LINKS})
+  target_precompile_headers(${name} REUSE_FROM canonpose_torch_headers)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+endfunction()
+
 function(canonpose_module name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS;TESTS;TEST_LINKS;PRECOMPILE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;TORCH_SOURCES;LINKS;PRIVATE_LINKS;TESTS;TORCH_TESTS;TEST_LINKS" ${ARGN})
   add_library(canonpose_${name} STATIC ${ARG_SOURCES})
   target_link_libraries(canonpose_${name} PUBLIC ${ARG_LINKS} PRIVATE canonpose_options ${ARG_PRIVATE_LINKS})
   target_include_directories(canonpose_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
-  if(BUILD_TESTING AND ARG_TESTS)
-    canonpose_test(${name}_test SOURCES ${ARG_TESTS} LINKS canonpose_${name} ${ARG_PRIVATE_LINKS} ${ARG_TEST_LINKS})
+  if(ARG_TORCH_SOURCES)
+    canonpose_torch_objects(canonpose_${name}_torch SOURCES ${ARG_TORCH_SOURCES} LINKS ${ARG_LINKS} ${ARG_PRIVATE_LINKS})
+    target_sources(canonpose_${name} PRIVATE $<TARGET_OBJECTS:canonpose_${name}_torch>)
+    target_link_libraries(canonpose_${name} PRIVATE canonpose_torch)
   endif()
-  if(ARG_PRECOMPILE)
-    target_precompile_headers(canonpose_${name} PRIVATE ${ARG_PRECOMPILE})
-    if(TARGET ${name}_test)
-      target_precompile_headers(${name}_test PRIVATE ${ARG_PRECOMPILE})
-    endif()
+  if(BUILD_TESTING AND (ARG_TESTS OR ARG_TORCH_TESTS))
+    canonpose_test(${name}_test SOURCES ${ARG_TESTS} TORCH_SOURCES ${ARG_TORCH_TESTS}
+                   LINKS canonpose_${name} ${ARG_PRIVATE_LINKS} ${ARG_TEST_LINKS})
   endif()
 endfunction()
 
-# canonpose_test(NAME SOURCES ... LINKS ...): one GoogleTest program, one ctest entry. CANONPOSE_TESTDATA is the project's own
-# small inputs; CANONPOSE_SHARED the data beside the checkout, which may be absent.
+# canonpose_test(NAME SOURCES ... [TORCH_SOURCES ...] LINKS ...): one GoogleTest program, one ctest entry. CANONPOSE_TESTDATA is the
+# project's own small inputs; CANONPOSE_SHARED the data beside the checkout, which may be absent.
 function(canonpose_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;TORCH_SOURCES;LINKS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE canonpose_options ${ARG_LINKS} GTest::gmock_main)
-  target_compile_definitions(${name} PRIVATE CANONPOSE_TESTDATA="${PROJECT_SOURCE_DIR}/testdata"
-                                             CANONPOSE_SHARED="${PROJECT_SOURCE_DIR}/../shared")
+  set(targets ${name})
+  if(ARG_TORCH_SOURCES)
+    canonpose_torch_objects(${name}_torch SOURCES ${ARG_TORCH_SOURCES} LINKS ${ARG_LINKS} GTest::gmock)
+    target_sources(${name} PRIVATE $<TARGET_OBJECTS:${name}_torch>)
+    target_link_libraries(${name} PRIVATE canonpose_torch)
+    list(APPEND targets ${name}_torch)
+  endif()
+  foreach(target ${targets})
+    target_compile_definitions(${target} PRIVATE CANONPOSE_TESTDATA="${PROJECT_SOURCE_DIR}/testdata"
+                                                 CANONPOSE_SHARED="${PROJECT_SOURCE_DIR}/../shared")
+  endforeach()
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES TIMEOUT 900)
 endfunction()

@@ -1,6 +1,27 @@
 # Every library the project uses; all are Debian 12 packages (scripts/setup.sh installs them).
+
+# All linear algebra is OpenBLAS's, whatever else is installed: Debian's libceres-dev brings ATLAS, which multiplies matrices
+# several times slower and would answer LibTorch's calls, too, if it came first in the program's list of libraries.
+set(BLA_VENDOR OpenBLAS)
+find_package(BLAS)
+find_package(LAPACK)
+if(NOT BLAS_FOUND OR NOT LAPACK_FOUND)
+  message(FATAL_ERROR "OpenBLAS is needed and was not found: apt-get install libopenblas-pthread-dev")
+endif()
+list(GET BLAS_LIBRARIES 0 CANONPOSE_OPENBLAS)
+file(REAL_PATH ${CANONPOSE_OPENBLAS} CANONPOSE_OPENBLAS_FILE)
+if(NOT CANONPOSE_OPENBLAS_FILE MATCHES "openblas")
+  message(FATAL_ERROR "${CANONPOSE_OPENBLAS} is ${CANONPOSE_OPENBLAS_FILE}, not OpenBLAS: apt-get install libopenblas-pthread-dev")
+endif()
+# A program takes a routine from the first library in its list that has it, and so do the libraries that it loads.
+add_library(canonpose_openblas INTERFACE)
+target_link_options(canonpose_openblas INTERFACE "SHELL:-Wl,--push-state,--no-as-needed ${CANONPOSE_OPENBLAS} -Wl,--pop-state")
+
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Ceres 2.1 REQUIRED COMPONENTS SuiteSparse)
+get_target_property(ceres_libraries Ceres::ceres INTERFACE_LINK_LIBRARIES)
+list(FILTER ceres_libraries EXCLUDE REGEX "/lib(lapack|blas|f77blas|atlas)\\.(so|a)$")
+set_property(TARGET Ceres::ceres PROPERTY INTERFACE_LINK_LIBRARIES ${ceres_libraries} ${BLAS_LIBRARIES})
 find_package(fmt REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(nlohmann_json 3.10 REQUIRED)

@@ -1,9 +1,9 @@
 # Sourced by run-demo, run-tests and the experiments: install what is missing, configure, build.
 
-# What the project needs, as Debian 12 packages. LibTorch calls whatever provides libblas.so.3; OpenBLAS makes it 30 times faster.
+# What the project needs, as Debian 12 packages.
 CANONPOSE_PACKAGES="
   g++ cmake ninja-build pkg-config
-  libtorch-dev libopenblas0-pthread
+  libtorch-dev libopenblas-pthread-dev
   libeigen3-dev libceres-dev libhdf5-dev libzip-dev zlib1g-dev libmatio-dev
   nlohmann-json3-dev libcli11-dev libfmt-dev libspdlog-dev
   libgtest-dev libgmock-dev"

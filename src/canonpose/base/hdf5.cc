@@ -34,6 +34,8 @@ class Id {
   Id& operator=(Id&&) = delete;
   operator hid_t() const { return id_; }  // NOLINT: the library's functions take it everywhere
   [[nodiscard]] bool valid() const { return id_ >= 0; }
+  /// The identifier, which is somebody else's to close from now on.
+  [[nodiscard]] hid_t Release() { return std::exchange(id_, -1); }
   herr_t Close() {
     if (id_ < 0) return 0;
     return closer_(std::exchange(id_, -1));
@@ -422,27 +424,38 @@ File File::OpenForReading(const fs::path& path) {
                    is_damaged ? "copy it again or make it again"
                               : "give a file made by canonpose; import makes one of keypoint files"});
   }
+  return OfHandle(id.Release(), path.string());
+}
+
+File File::OpenImage(std::string_view image, const std::string& name) {
+  PrepareLibrary();
+  Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  constexpr std::size_t kIncrement = 64 * 1024;  // only a file that grows would need it
+  H5Pset_fapl_core(access, kIncrement, /*backing_store=*/0);
+  // The library takes a pointer that is not const, and copies what it points to.
+  H5Pset_file_image(access, const_cast<char*>(image.data()), image.size());  // NOLINT
+  Id id(H5Fopen(name.c_str(), H5F_ACC_RDONLY, access), H5Fclose);
+  if (!id.valid()) ThrowBadInput({name, "", "an HDF5 file", "damaged data", "install the program again"});
+  return OfHandle(id.Release(), name);
+}
+
+File File::OfHandle(std::int64_t handle, const std::string& name) {
   File file;
-  auto shared = std::make_shared<Id>(std::move(id));
+  auto shared = std::make_shared<Id>(handle, H5Fclose);
   Id root(H5Gopen2(*shared, "/", H5P_DEFAULT), H5Gclose);
-  file.root_.state_ =
-      std::make_shared<Group::State>(Group::State{path.string(), path, std::move(shared), std::move(root)});
+  file.root_.state_ = std::make_shared<Group::State>(Group::State{name, name, std::move(shared), std::move(root)});
   file.root_.path_ = "/";
   return file;
 }
 
 File File::CreateAt(const fs::path& path) {
   PrepareLibrary();
-  File file;
-  file.pending_ = std::make_unique<Pending>(path);
+  auto pending = std::make_unique<Pending>(path);
   errno = 0;
-  Id id(H5Fcreate(file.pending_->file.temporary_path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+  Id id(H5Fcreate(pending->file.temporary_path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
   if (!id.valid()) ThrowWriteFailed(path);
-  auto shared = std::make_shared<Id>(std::move(id));
-  Id root(H5Gopen2(*shared, "/", H5P_DEFAULT), H5Gclose);
-  file.root_.state_ =
-      std::make_shared<Group::State>(Group::State{path.string(), path, std::move(shared), std::move(root)});
-  file.root_.path_ = "/";
+  File file = OfHandle(id.Release(), path.string());
+  file.pending_ = std::move(pending);
   return file;
 }
 

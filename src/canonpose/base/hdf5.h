@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace canonpose::h5 {
@@ -77,6 +78,8 @@ class File {
   /// Whether `path` begins as an HDF5 file does.
   static bool IsHdf5(const std::filesystem::path& path);
   static File OpenForReading(const std::filesystem::path& path);
+  /// A whole file held in memory, which is copied; errors call it `name`.
+  static File OpenImage(std::string_view image, const std::string& name);
   /// A new file that Commit() moves to `path`.
   static File CreateAt(const std::filesystem::path& path);
   ~File();
@@ -89,6 +92,8 @@ class File {
 
  private:
   File();
+  /// Takes over an open file, given as HDF5's handle.
+  static File OfHandle(std::int64_t handle, const std::string& name);
   Group root_;
   struct Pending;
   std::unique_ptr<Pending> pending_;

@@ -1,36 +1,17 @@
 // Shared by tests only: temporary folders, the data beside the checkout, and a matcher for one-line errors.
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/temporary_folder.h"
 
 namespace canonpose::testing {
 
-/// An empty folder that is removed with all it holds.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "canonpose-test-XXXXXX").string();
-    CANONPOSE_CHECK(::mkdtemp(pattern.data()) != nullptr, "cannot make {}", pattern);
-    path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
+using canonpose::TemporaryFolder;
 
 /// The project's own small inputs.
 inline std::filesystem::path TestData(const std::string& name) {

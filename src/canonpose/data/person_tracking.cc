@@ -27,8 +27,6 @@ constexpr double kCostLimitPerGapFrame = 0.03;
 constexpr double kLargestCostLimit = 1.2;
 /// A detection with the track's own id costs this share of what it would otherwise.
 constexpr double kSameIdFactor = 0.25;
-/// Less prominent than this share of the first, a track is a false alarm rather than a person.
-constexpr double kPersonShare = 0.02;
 /// From this share of the first's prominence on, the second might be the one who is meant.
 constexpr double kCloseCallShare = 0.6;
 

@@ -8,6 +8,9 @@
 
 namespace canonpose {
 
+/// A track that is less prominent than this share of the first is a false alarm rather than a person.
+inline constexpr double kPersonShare = 0.02;
+
 /// One person's way through a clip.
 struct PersonTrack {
   struct Sighting {

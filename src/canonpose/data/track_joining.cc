@@ -14,8 +14,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Tracks with less of the first's prominence are false alarms; and a crowd has no use for more.
-constexpr double kPersonShare = 0.02;
+/// A crowd has no use for more.
 constexpr std::size_t kMostTracks = 64;
 /// The parts of one person have prominences a frame that differ by less than this factor, and sizes likewise.
 constexpr double kSameFactor = 2.5;

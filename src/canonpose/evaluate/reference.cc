@@ -12,7 +12,7 @@
 namespace canonpose {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 // Two rays at 2 degrees make 30 times as much of an error along them as across: no reference any more.
 constexpr double kLeastRayAngleRad = 2.0 * 3.14159265358979 / 180.0;
 
@@ -32,7 +32,7 @@ SequenceReference TriangulateSequence(const Sequence& sequence, int joints, std:
   SequenceReference reference;
   const std::size_t size = static_cast<std::size_t>(sequence.frame_count) * joint_count;
   for (const CameraView& view : sequence.cameras) {
-    reference.poses_in_camera.emplace_back(view.calibration.empty() ? 0 : 3 * size, kNaN);
+    reference.poses_in_camera.emplace_back(view.calibration.empty() ? 0 : 3 * size, kUnknown);
   }
   std::vector<PointObservation> observations(sequence.cameras.size());
   for (std::size_t i = 0; i < size; ++i) {

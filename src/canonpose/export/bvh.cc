@@ -53,9 +53,9 @@ Angles AnglesOf(const Eigen::Matrix3d& rotation, const Angles& before) {
   return nearest;
 }
 
-class Writer {
+class BvhWriter {
  public:
-  explicit Writer(const ArticulatedMotion& motion) : motion_(motion), children_(motion.joints.size()) {
+  explicit BvhWriter(const ArticulatedMotion& motion) : motion_(motion), children_(motion.joints.size()) {
     CANONPOSE_CHECK(!motion.joints.empty() && motion.joints.front().parent < 0 && motion.fps > 0.0, "{} joints, {} fps",
                     motion.joints.size(), motion.fps);
     for (std::size_t j = 1; j < motion.joints.size(); ++j) {
@@ -157,7 +157,7 @@ class Writer {
 }  // namespace
 
 void WriteBvh(const std::filesystem::path& path, const ArticulatedMotion& motion) {
-  WriteFileAtomically(path, Writer(motion).Write());
+  WriteFileAtomically(path, BvhWriter(motion).Write());
 }
 
 }  // namespace canonpose

@@ -7,9 +7,9 @@
 namespace canonpose {
 namespace {
 
-using Writer = void (*)(const std::filesystem::path&, const LiftOutput&);
+using WriteFunction = void (*)(const std::filesystem::path&, const LiftOutput&);
 
-Writer WriterFor(const std::filesystem::path& path) {
+WriteFunction WriterFor(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".npz") return WriteLiftNpz;
   if (extension == ".csv") return WriteLiftCsv;

@@ -36,12 +36,16 @@ const ModelInfo& PoseLifter::info() const { return state_->info; }
 
 PoseLifter PoseLifter::Open(const std::filesystem::path& run_or_model, const std::string& device) {
   RequireDevice(device);
+  return Of(ReadModelFile(run_or_model), run_or_model.string(), device);
+}
+
+PoseLifter PoseLifter::Of(ModelFile model, const std::string& name, const std::string& device) {
+  RequireDevice(device);
   WarnAboutSlowLinearAlgebra();
-  ModelFile model = ReadModelFile(run_or_model);
   const torch::Device torch_device(device == "cuda" ? torch::kCUDA : torch::kCPU);
-  std::shared_ptr<LiftingNetwork> network = MakeLifter(model, run_or_model.string(), torch_device);
+  std::shared_ptr<LiftingNetwork> network = MakeLifter(model, name, torch_device);
   std::optional<PoseMorph> morph;
-  if (model.info.morph) morph = PoseMorph::Of(model.info.morph, run_or_model.string(), device);
+  if (model.info.morph) morph = PoseMorph::Of(model.info.morph, name, device);
   return PoseLifter(
       std::make_unique<State>(State{std::move(model.info), torch_device, std::move(network), std::move(morph)}));
 }

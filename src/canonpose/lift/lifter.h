@@ -27,6 +27,8 @@ class PoseLifter {
  public:
   /// Opens a model file or the folder of a finished run. `device` is cpu or cuda. Throws Error(kBadInput).
   static PoseLifter Open(const std::filesystem::path& run_or_model, const std::string& device = "cpu");
+  /// A lifter of a model that was read already; errors call it `name`.
+  static PoseLifter Of(ModelFile model, const std::string& name, const std::string& device = "cpu");
   ~PoseLifter();
   PoseLifter(PoseLifter&&) noexcept;
   PoseLifter& operator=(PoseLifter&&) = delete;

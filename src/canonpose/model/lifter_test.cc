@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "canonpose/model/runtime.h"
 #include "canonpose/model/tensors.h"
 
 namespace canonpose {
@@ -171,8 +170,6 @@ TEST(Lifter, InitialisationDependsOnTheSeedAlone) {
   EXPECT_LE(a->named_parameters()["upscale.weight"].abs().max().item<double>(), bound);
   EXPECT_GT(a->named_parameters()["upscale.weight"].abs().max().item<double>(), 0.9 * bound);
 }
-
-TEST(Runtime, TellsTheLinearAlgebraLibrary) { EXPECT_FALSE(LinearAlgebraLibrary().empty()); }
 
 TEST(Lifter, SeesOfConfidencesWhatItWasMadeToSee) {
   constexpr int kJoints = 4;

@@ -1,6 +1,7 @@
 #include "canonpose/model/model_file.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -19,14 +20,7 @@ constexpr std::int64_t kLargestWidth = 65536;
 
 fs::path ModelPath(const fs::path& path) { return fs::is_directory(path) ? path / "model.cpm" : path; }
 
-h5::File OpenModel(const fs::path& path) {
-  const fs::path file_path = ModelPath(path);
-  if (fs::is_directory(path) && !fs::exists(file_path)) {
-    ThrowBadInput({path.string(), "", "a training run with a finished model.cpm", "none in this folder",
-                   fmt::format("finish the training with: canonpose train ... -o {} --resume", path.string())});
-  }
-  h5::File file = h5::File::OpenForReading(file_path);
-  const h5::Group& root = file.root();
+void RequireModel(const h5::Group& root) {
   if (!root.HasAttribute("format") || root.GetString("format") != kFormat) {
     root.Fail("attribute format", fmt::format("\"{}\"", kFormat),
               root.HasAttribute("format") ? fmt::format("\"{}\"", root.GetString("format")) : "nothing",
@@ -36,6 +30,16 @@ h5::File OpenModel(const fs::path& path) {
     root.Fail("attribute version", fmt::format("1 to {}", kLatestVersion), fmt::format("{}", version),
               "it was made by another version of this program: use that one or train again");
   }
+}
+
+h5::File OpenModel(const fs::path& path) {
+  const fs::path file_path = ModelPath(path);
+  if (fs::is_directory(path) && !fs::exists(file_path)) {
+    ThrowBadInput({path.string(), "", "a training run with a finished model.cpm", "none in this folder",
+                   fmt::format("finish the training with: canonpose train ... -o {} --resume", path.string())});
+  }
+  h5::File file = h5::File::OpenForReading(file_path);
+  RequireModel(file.root());
   return file;
 }
 
@@ -171,9 +175,20 @@ void WriteModelFile(const fs::path& path, const ModelFile& model) {
   file.Commit();
 }
 
-ModelFile ReadModelFile(const fs::path& path) {
-  h5::File file = OpenModel(path);
+namespace {
+
+ModelFile ReadModel(h5::File file) {
   return {ReadModelInfo(file.root()), ReadArrays(file.root().Open("parameters"))};
+}
+
+}  // namespace
+
+ModelFile ReadModelFile(const fs::path& path) { return ReadModel(OpenModel(path)); }
+
+ModelFile ReadModelImage(std::string_view image, const std::string& name) {
+  h5::File file = h5::File::OpenImage(image, name);
+  RequireModel(file.root());
+  return ReadModel(std::move(file));
 }
 
 ModelInfo ReadModelInfo(const fs::path& path) {

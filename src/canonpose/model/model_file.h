@@ -18,6 +18,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "canonpose/base/hdf5.h"
@@ -89,6 +90,8 @@ void WriteModelFile(const std::filesystem::path& path, const ModelFile& model);
 
 /// `path` is a model file, or the folder of a training run that holds model.cpm. Throws Error(kBadInput).
 ModelFile ReadModelFile(const std::filesystem::path& path);
+/// The same from a whole model file held in memory; errors call it `name`.
+ModelFile ReadModelImage(std::string_view image, const std::string& name);
 /// The same without the weights.
 ModelInfo ReadModelInfo(const std::filesystem::path& path);
 

@@ -43,7 +43,7 @@ void DropFrames(int count, ArticulatedMotion& motion) {
 }
 
 // Turns the whole clip about the vertical through the origin.
-void Turn(double angle, ArticulatedMotion& motion) {
+void TurnAround(double angle, ArticulatedMotion& motion) {
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()));
   for (std::size_t f = 0; f < motion.root_position_mm.size(); ++f) {
     motion.root_position_mm[f] = turn * motion.root_position_mm[f];
@@ -86,7 +86,7 @@ ArticulatedMotion MakeProceduralMotion(const ProceduralClip& clip) {
   EntryOf(clip.activity).perform(stage);
   ArticulatedMotion motion = PerformStage(stage);
   DropFrames(lead, motion);
-  Turn(lead_rng.Uniform(-kPi, kPi), motion);
+  TurnAround(lead_rng.Uniform(-kPi, kPi), motion);
   if (clip.activity == Activity::kSki) {
     // Skiers travel on, and come down as they go; their slope passes through the origin.
     Eigen::Vector3d start = motion.root_position_mm.front();

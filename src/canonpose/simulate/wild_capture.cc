@@ -26,7 +26,7 @@ namespace canonpose {
 namespace {
 
 /// What a generator is for, as its first stream number.
-enum Stream : std::uint64_t { kMotion = 0x3171, kChanges = 0x3172, kCamera = 0x3173, kDetection = 0x3174 };
+enum WildStream : std::uint64_t { kWildMotion = 0x3171, kWildChanges = 0x3172, kWildCamera = 0x3173, kWildDetection = 0x3174 };
 
 constexpr std::size_t kClipsOfATask = 8;
 
@@ -66,6 +66,13 @@ Skeleton KnownJoints(const Skeleton& skeleton, const LayoutMapping& from_landmar
   return known;
 }
 
+/// A detector's layout or a benchmark's joints by name; null where there is none.
+const Skeleton* FindLayout(const std::string& name) {
+  if (const Skeleton* builtin = FindSkeleton(name)) return builtin;
+  const auto found = std::ranges::find(BenchmarkSkeletons(), name, &Skeleton::name);
+  return found == BenchmarkSkeletons().end() ? nullptr : &*found;
+}
+
 JointSources FindSources(const Skeleton& skeleton, const std::string& layout_name) {
   if (!IsKnownPerson(skeleton)) {
     ThrowBadInput({"", skeleton.name.empty() ? "the skeleton" : fmt::format("skeleton {}", skeleton.name),
@@ -82,9 +89,10 @@ JointSources FindSources(const Skeleton& skeleton, const std::string& layout_nam
     }
     return {MakeDetectorLayout(known), by_name};
   }
-  const Skeleton* layout = FindSkeleton(layout_name);
+  const Skeleton* layout = FindLayout(layout_name);
   if (layout == nullptr) ThrowUsage("layout: expected one of {}, found \"{}\"", BuiltinSkeletonNames(), layout_name);
-  JointSources sources{MakeDetectorLayout(*layout), MapWhatCanBe(*layout, skeleton)};
+  const Skeleton known = KnownJoints(*layout, MapWhatCanBe(LandmarkSkeleton(), *layout));
+  JointSources sources{MakeDetectorLayout(known), MapWhatCanBe(known, skeleton)};
   if (!IsMade(sources.skeleton_from_layout, skeleton.root)) {
     ThrowBadInput({"", fmt::format("layout {}", layout_name), fmt::format("a joint to make the root of"), "none",
                    "leave the layout out"});
@@ -134,7 +142,7 @@ FilmingCamera FilmFromAnywhere(const LandmarkTrack& track, const std::string& na
 // --- clips ----------------------------------------------------------------------------------------------------------
 
 ArticulatedMotion MakeMotion(const WildCaptureOptions& options, int number) {
-  Rng rng(options.seed, {kMotion, static_cast<std::uint64_t>(number)});
+  Rng rng(options.seed, {kWildMotion, static_cast<std::uint64_t>(number)});
   const std::vector<Activity>& activities = AllActivities();
   ProceduralClip clip;
   clip.activity = activities[static_cast<std::size_t>(number) % activities.size()];
@@ -151,7 +159,7 @@ ArticulatedMotion MakeMotion(const WildCaptureOptions& options, int number) {
     clip.motion_seed = rng.Bits();
     TakeUpperBody(MakeProceduralMotion(clip), motion);
   }
-  MakeWild(motion, options.wild, Rng(options.seed, {kChanges, static_cast<std::uint64_t>(number)}));
+  MakeWild(motion, options.wild, Rng(options.seed, {kWildChanges, static_cast<std::uint64_t>(number)}));
   return motion;
 }
 
@@ -204,7 +212,7 @@ Sequence MakeClip(const JointSources& sources, const WildCaptureOptions& options
   const ArticulatedMotion motion = MakeMotion(options, number);
   const LandmarkTrack track = MakeLandmarkTrack(motion, motion.name);
   const std::vector<Eigen::Vector3d> joints_mm = JointPositions(track, sources.layout);
-  Rng detector(options.seed, {kDetection, stream});
+  Rng detector(options.seed, {kWildDetection, stream});
   const std::uint64_t detector_seed = detector.Bits();
   const bool is_always_one = detector.Uniform() < 0.2;
   const double power = std::pow(1.0 + options.confidence_spread, detector.Uniform(-1.0, 1.0));
@@ -214,7 +222,7 @@ Sequence MakeClip(const JointSources& sources, const WildCaptureOptions& options
   sequence.static_cameras = false;
   sequence.frame_count = track.frame_count();
   for (int c = 0; c < options.cameras; ++c) {
-    Rng camera(options.seed, {kCamera, stream, static_cast<std::uint64_t>(c)});
+    Rng camera(options.seed, {kWildCamera, stream, static_cast<std::uint64_t>(c)});
     const FilmingCamera filming = FilmFromAnywhere(track, fmt::format("cam{}", c + 1), options.off_centre, camera);
     const Detections detections =
         Detect(track, filming, sources.layout, options.detector, detector_seed, Rng(detector.Bits()));

@@ -24,8 +24,8 @@ struct WildCaptureOptions {
   /// How far confidences are from the simulated detector's: in a clip each is taken to a power of 1 to 1 + this or its
   /// inverse. In one clip of five all joints that are found have confidence 1.
   double confidence_spread = 1.0;
-  /// The built-in layout of the detector, whose joints are mapped onto the skeleton as `import` does. Empty: the
-  /// detector finds the skeleton's own joints.
+  /// The detector's layout, a built-in or a benchmark's skeleton by name, whose joints are mapped onto the skeleton as
+  /// `import` maps them. Empty: the detector finds the skeleton's own joints.
   std::string layout;
   std::uint64_t seed = 0;
   int threads = 0;  ///< 0: as many as the machine has cores; the result does not depend on it

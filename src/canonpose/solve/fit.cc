@@ -12,7 +12,7 @@ namespace canonpose {
 namespace {
 
 /// The median length of a normally distributed 3-vector, in units of its scatter along an axis.
-constexpr double kMedianLength = 1.54;
+constexpr double kMedianLength3 = 1.54;
 
 /// Cauchy's loss of each frame's keypoints, mean over those of the frame; NaN for frames without.
 std::vector<double> FrameCosts(const CaptureObservations& capture, std::span<const int> frames,
@@ -59,7 +59,7 @@ std::vector<double> MeasureAccelerations(const CaptureObservations& capture, con
     }
     // s1 = e + a, s3 = e + 81 a.
     const double acceleration2 = std::max((squares[1] - squares[0]) / 80.0, 0.0);
-    scatter.push_back(std::max(std::sqrt(acceleration2) / kMedianLength, 1e-5));
+    scatter.push_back(std::max(std::sqrt(acceleration2) / kMedianLength3, 1e-5));
   }
   return scatter;
 }
@@ -83,7 +83,7 @@ double MeasureTurning(const CaptureObservations& capture, std::span<const int> f
     }
   }
   if (speeds.empty()) return AdjustmentScales{}.turning_per_second;
-  return std::clamp(kSpurts * Median(std::move(speeds)) / kMedianLength, kLeast, kMost);
+  return std::clamp(kSpurts * Median(std::move(speeds)) / kMedianLength3, kLeast, kMost);
 }
 
 BlockMean MeanOverBlocks(const CaptureObservations& capture, std::span<const int> frames,

@@ -14,6 +14,9 @@
 
 namespace canonpose {
 
+/// How far triangulated bones are off their lengths, relative; more speaks of swapped joints or of another moment.
+inline constexpr double kBoneScatter = 0.1;
+
 /// An estimate and the scales it was adjusted with.
 struct Solution {
   RigEstimate estimate;

@@ -25,8 +25,6 @@ constexpr ExchangeCosts kCostsOfTwoViews = {1.5, 6.0};
 constexpr ExchangeCosts kCostsOfMoreViews = {0.5, 4.0};
 /// Of each view beyond the first that is exchanged at the same time.
 constexpr double kNextViewCost = 2.0;
-/// How far bones may be off their length before that tells of a swap, relative: triangulation is not exact.
-constexpr double kBoneScatter = 0.1;
 /// With more views than this, one at a time is exchanged.
 constexpr int kMostViewsForPairs = 6;
 constexpr int kFramesAtATime = 64;

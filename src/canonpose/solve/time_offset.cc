@@ -29,7 +29,6 @@ constexpr double kOffsetShare = 0.05;
 constexpr int kRefitFrames = 40;
 /// At every third offset; at those between, as at the nearest.
 constexpr int kRefitStep = 3;
-constexpr double kBoneScatter = 0.1;
 
 /// A joint in the frame of a camera that stands still.
 Eigen::Vector3d InStaticCamera(const CameraEstimate& camera, const Eigen::Vector3d& joint) {

@@ -13,7 +13,7 @@
 namespace canonpose {
 namespace {
 
-constexpr int kJoints = 17;
+constexpr int kFilmedJoints = 17;
 constexpr int kFrames = 6;
 
 /// Level cameras around a scene whose down is (0, 1, 0), then turned as a whole: x_in_camera = R x_in_world.
@@ -48,7 +48,7 @@ Dataset Filmed(double noise) {
     view.calibration = {camera};
     for (int t = 0; t < kFrames; ++t) {
       const Eigen::Vector3d root(rng.Uniform(-800, 800), rng.Uniform(-500, 500), rng.Uniform(3500, 5000));
-      for (int j = 0; j < kJoints; ++j) {
+      for (int j = 0; j < kFilmedJoints; ++j) {
         Eigen::Vector3d point = root;
         if (j != dataset.skeleton.root) point += 400.0 * Eigen::Vector3d(rng.Normal(), rng.Normal(), rng.Normal());
         for (const double value : point) view.truth.push_back(static_cast<float>(value));
@@ -70,9 +70,9 @@ RowForm Form(const char* ray, const char* focal = "known") { return {TrainingTar
 /// A row's copy in a batch.
 struct Copy {
   explicit Copy(const TrainingSet& set, int row) {
-    keypoints.assign(set.keypoints.begin() + 2L * kJoints * row, set.keypoints.begin() + 2L * kJoints * (row + 1));
-    confidence.assign(set.confidence.begin() + 1L * kJoints * row, set.confidence.begin() + 1L * kJoints * (row + 1));
-    target.assign(set.target.begin() + 3L * kJoints * row, set.target.begin() + 3L * kJoints * (row + 1));
+    keypoints.assign(set.keypoints.begin() + 2L * kFilmedJoints * row, set.keypoints.begin() + 2L * kFilmedJoints * (row + 1));
+    confidence.assign(set.confidence.begin() + 1L * kFilmedJoints * row, set.confidence.begin() + 1L * kFilmedJoints * (row + 1));
+    target.assign(set.target.begin() + 3L * kFilmedJoints * row, set.target.begin() + 3L * kFilmedJoints * (row + 1));
   }
   TrainingRow row() { return {keypoints.data(), confidence.data(), target.data(), nullptr}; }
   std::vector<float> keypoints;
@@ -119,20 +119,20 @@ TEST(NewViews, ThePoseFromItsOwnPlaceIsTheRowItself) {
 NormalisedPose SeenOnAxis(const std::vector<float>& target, double distance, const std::vector<float>& confidence,
                           int root) {
   std::vector<float> pixels;
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    const double depth = distance + target[2 * kJoints + j];
+  for (std::size_t j = 0; j < kFilmedJoints; ++j) {
+    const double depth = distance + target[2 * kFilmedJoints + j];
     pixels.push_back(static_cast<float>(target[j] / depth));
-    pixels.push_back(static_cast<float>(target[kJoints + j] / depth));
+    pixels.push_back(static_cast<float>(target[kFilmedJoints + j] / depth));
   }
   NormalisedPose pose;
-  EXPECT_TRUE(NormalisePose(pixels.data(), confidence.data(), kJoints, root, pose));
+  EXPECT_TRUE(NormalisePose(pixels.data(), confidence.data(), kFilmedJoints, root, pose));
   return pose;
 }
 
 TEST(NewViews, WithoutDetectorErrorsTheNewKeypointsAreTheProjectionOfTheNewPose) {
   Dataset dataset = Filmed(0.0);
   for (CameraView& view : dataset.sequences[0].cameras)
-    view.confidence[kJoints * 2 + 3] = 0.0F;  // frame 2 lacks a joint
+    view.confidence[kFilmedJoints * 2 + 3] = 0.0F;  // frame 2 lacks a joint
   const RowForm form = Form("root");
   const TrainingSplit split = MakeTrainingSplit({dataset}, 0.0, form);
   // The lens is known, but the input's turn takes no account of distortion.
@@ -157,11 +157,11 @@ TEST(NewViews, WithoutDetectorErrorsTheNewKeypointsAreTheProjectionOfTheNewPose)
     ASSERT_TRUE(views.See(row, camera, after.row()));
     const RowSource& source = split.training.sources[static_cast<std::size_t>(row)];
     const CameraView& view = dataset.sequences[0].cameras[static_cast<std::size_t>(source.camera)];
-    const float* truth = &view.truth[static_cast<std::size_t>(source.frame) * kJoints * 3];
+    const float* truth = &view.truth[static_cast<std::size_t>(source.frame) * kFilmedJoints * 3];
     const int root = dataset.skeleton.root;
     Eigen::Vector3d root_mm(truth[3 * root], truth[3 * root + 1], truth[3 * root + 2]);
     double squares = 0.0;
-    for (int j = 0; j < kJoints; ++j) {
+    for (int j = 0; j < kFilmedJoints; ++j) {
       squares += (Eigen::Vector3d(truth[3 * j], truth[3 * j + 1], truth[3 * j + 2]) - root_mm).squaredNorm();
     }
     const double distance = camera.distance_factor * root_mm.norm() / std::sqrt(squares);

@@ -49,7 +49,7 @@ Dataset Tumbling(int frames) {
   return dataset;
 }
 
-TrainJob Job(const TemporaryFolder& folder, const std::string& name) {
+TrainJob RestartJob(const TemporaryFolder& folder, const std::string& name) {
   TrainJob job;
   job.datasets = {Tumbling(60)};
   job.data_files = {"tumbling.h5"};
@@ -106,7 +106,7 @@ TEST(RestartPlan, CountsTheStepsOfAllAndNeverMoreThanTheRunHas) {
 
 TEST(Restarts, GoOnWithTheRunOfTheLeastLossAsIfItWereAlone) {
   const TemporaryFolder folder;
-  const TrainJob job = Job(folder, "restarts");
+  const TrainJob job = RestartJob(folder, "restarts");
   Train(job);
   std::vector<nlohmann::json> lines = Metrics(job.run_folder);
   ASSERT_EQ(lines.size(), 4U + 9U);  // of 12 epochs of 7 steps, three ended before step 25
@@ -117,7 +117,7 @@ TEST(Restarts, GoOnWithTheRunOfTheLeastLossAsIfItWereAlone) {
   }
   EXPECT_NE(best, 0);  // this seed's own start is not the best, so that something is chosen
 
-  TrainJob alone = Job(folder, "alone");
+  TrainJob alone = RestartJob(folder, "alone");
   alone.options.restarts = 1;
   alone.options.seed = RestartSeed(3, best);
   EXPECT_EQ(lines[static_cast<std::size_t>(best)]["seed"], alone.options.seed);
@@ -129,7 +129,7 @@ TEST(Restarts, GoOnWithTheRunOfTheLeastLossAsIfItWereAlone) {
 
 /// With everything else that training without labels can do.
 TrainJob FullJob(const TemporaryFolder& folder, const std::string& name) {
-  TrainJob job = Job(folder, name);
+  TrainJob job = RestartJob(folder, name);
   job.options.camera_consistency = "off";
   job.options.ray = "root";
   job.options.rotation = "6d";
@@ -145,7 +145,7 @@ INSTANTIATE_TEST_SUITE_P(Restarts, RestartsInPieces, ::testing::Values(false, tr
 
 TEST_P(RestartsInPieces, InterruptedAndResumedGiveTheSameBitsAndMetrics) {
   const TemporaryFolder folder;
-  const auto make = GetParam() ? FullJob : Job;
+  const auto make = GetParam() ? FullJob : RestartJob;
   Train(make(folder, "whole"));
   TrainJob job = make(folder, "pieces");
   job.options.checkpoint_seconds = 0.0;
@@ -165,7 +165,7 @@ TEST_P(RestartsInPieces, InterruptedAndResumedGiveTheSameBitsAndMetrics) {
 
 TEST(Restarts, AsLongAsTheRunChooseAmongWholeRuns) {
   const TemporaryFolder folder;
-  TrainJob job = Job(folder, "run");
+  TrainJob job = RestartJob(folder, "run");
   job.options.epochs = 2;
   job.options.restart_steps = 1000;
   EXPECT_EQ(Train(job).model.steps, 14);

@@ -1,52 +1,70 @@
-// The starter: a crude single-view lifter for people of whom nothing is known yet, trained once on simulated people and
-// kept in a cache. Self-calibration aligns its poses between views to begin with. No LibTorch in this header.
+// The starter: a crude single-view lifter for people of whom nothing is known yet, trained once on simulated people.
+// Self-calibration aligns its poses between views to begin with. It comes with the program: `scripts/make-starter`
+// trains it by StarterRecipe::Default() and writes starter/starter.cpm, which the program holds. No LibTorch in this
+// header.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "canonpose/data/dataset.h"
+#include "canonpose/model/model_file.h"
 #include "canonpose/simulate/wild_capture.h"
 #include "canonpose/skeleton/skeleton.h"
 #include "canonpose/train/options.h"
 
 namespace canonpose {
 
-/// How the starter is trained.
-struct StarterRecipe {
-  WildCaptureOptions capture;  ///< its seed, layout and threads are those of StarterOptions
-  TrainOptions training;       ///< its seed and threads likewise
+/// h36m-17: any person's joints map onto it as `import` maps them (skeleton/mapping.h). Joints that a recording lacks
+/// are missing in the starter's input.
+const Skeleton& StarterSkeleton();
 
-  /// About a minute of work for two cores.
-  static StarterRecipe Default();
-};
-
-struct StarterOptions {
-  std::uint64_t seed = 0;
-  int threads = 0;  ///< 0: all
-  /// Where trained starters are kept; empty: canonpose/ in $XDG_CACHE_HOME or in ~/.cache.
-  std::filesystem::path cache_folder;
-  /// The detector's layout that the recording was mapped from (DatasetSource::layout): its derived joints lie elsewhere
-  /// than the skeleton's own. Empty, or not built in: the skeleton's own.
-  std::string layout;
-  StarterRecipe recipe = StarterRecipe::Default();
-};
-
-/// Whether the skeleton's joints are a person's that the simulator knows by name: the root, the hips, knees, shoulders
-/// and elbows of both sides, and two thirds of all joints.
+/// Whether the joints are a person's that map onto the starter's: the root, the hips, knees, shoulders and elbows of
+/// both sides, and two thirds of all joints.
 bool StarterKnows(const Skeleton& skeleton);
 
-/// The starter's model file for the joints of `skeleton`: found in the cache, or trained now, with progress, and kept
-/// there. It lifts joints that the simulator does not know to NaN, and takes no notice of them in its input.
-///
-/// The file's name is a hash of all that the result depends on: joints, seed, layout, recipe, and the simulator's own
-/// work on the recipe. With one thread and the same seed a model has the same bits; more threads may change the last
-/// ones, and are no part of the name. Programs that train the same one at a time do not disturb each other.
-///
-/// A damaged entry is replaced, with a warning. Where the cache cannot be written, the model lies in a temporary folder
-/// until the program ends, and there is one warning. Throws Error(kBadInput) where StarterKnows() is false. SIGINT and
-/// SIGTERM end the program once nothing temporary is left; Error(kComputation) where the program ignores or handles
-/// them itself.
-std::filesystem::path StarterModel(const Skeleton& skeleton, const StarterOptions& options);
+/// The starter that comes with the program. Throws Error(kBadInput) where the program itself is damaged.
+ModelFile BuiltinStarter();
+
+/// How the starter is trained.
+struct StarterRecipe {
+  WildCaptureOptions capture;  ///< of one layout; its layout is one of `layouts`
+  /// The detectors' layouts that people are seen with, a capture each: derived joints lie elsewhere for each of them.
+  /// "": the detector finds h36m-17's own joints.
+  std::vector<std::string> layouts;
+  TrainOptions training;
+
+  /// About ten minutes of work for one core.
+  static StarterRecipe Default();
+
+  /// All that the result depends on, as JSON.
+  [[nodiscard]] std::string ToJson() const;
+};
+
+/// The simulated people that the starter learns from.
+Dataset StarterPeople(const StarterRecipe& recipe);
+
+/// Trains into `run_folder` and returns the signal that stopped it, 0 where none did; model.cpm there is the starter.
+/// With the same recipe it has the same bits on machines of one kind.
+int TrainStarter(const StarterRecipe& recipe, const std::filesystem::path& run_folder);
+
+/// What tells whether a starter is the one that a recipe makes, without training it anew. Figures may differ by about
+/// 1e-4 between machines of different kinds.
+struct StarterCard {
+  std::string recipe;                ///< StarterRecipe::ToJson()
+  std::vector<double> people;        ///< of each layout: mean distance of keypoints and of joints from the camera
+  double brief_loss = 0.0;           ///< validation loss after a thousandth of the training
+  std::vector<double> unseen_error;  ///< of each layout: loss of the starter itself on people it has not seen
+
+  [[nodiscard]] std::string ToJson() const;
+  /// Throws Error(kBadInput) naming `file` where the text is not a card.
+  static StarterCard FromJson(const std::string& text, const std::string& file);
+};
+
+StarterCard MakeStarterCard(const StarterRecipe& recipe, const ModelFile& starter);
+
+/// The card of the starter that comes with the program, as `scripts/make-starter` wrote it beside the model.
+StarterCard BuiltinStarterCard();
 
 }  // namespace canonpose

@@ -38,6 +38,7 @@ namespace canonpose {
 namespace {
 
 namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kPerspectiveName = "perspective";
@@ -379,7 +380,6 @@ std::string TrainingRun::DescribeLoss() const {
 }
 
 int TrainingRun::Run() {
-  using Clock = std::chrono::steady_clock;
   const InterruptGuard interrupt;
   Progress progress("step", plan().StepsInAll(), plan().StepsDone(restarts_, step_));
   Clock::time_point last_save = Clock::now();

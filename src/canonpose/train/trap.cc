@@ -15,7 +15,7 @@ namespace canonpose {
 namespace {
 
 constexpr std::size_t kFramesWanted = 3000;
-constexpr std::size_t kChunkFrames = 1024;
+constexpr std::size_t kTrapChunkFrames = 1024;
 constexpr double kDegrees = 180.0 / M_PI;
 
 double Median(std::vector<double>& values) {
@@ -160,7 +160,7 @@ TrapSigns MeasureTrapSigns(LiftingNetwork& lifter, const TrainingSet& set, int r
   std::vector<const TrainingFrame*> chunk;
   for (const TrainingFrame& frame : set.frames) {
     if (frame.clip % stride == 0) chunk.push_back(&frame);
-    if (chunk.size() == kChunkFrames || (&frame == &set.frames.back() && !chunk.empty())) {
+    if (chunk.size() == kTrapChunkFrames || (&frame == &set.frames.back() && !chunk.empty())) {
       AddChunk(lifter, set, chunk, root, device, statistics);
       chunk.clear();
     }

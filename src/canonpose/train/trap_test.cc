@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr int kJoints = 12;
+constexpr int kPoseJoints = 12;
 
 Eigen::Matrix3d TurnAbout(const Eigen::Vector3d& axis, double degrees) {
   return Eigen::AngleAxisd(degrees / 180.0 * M_PI, axis).toRotationMatrix();
@@ -26,8 +26,8 @@ TrapSigns SignsOf(double exaggeration, double tilt_degrees) {
   Rng rng(4);
   TrapStatistics statistics;
   for (int frame = 0; frame < 600; ++frame) {
-    Eigen::Matrix3Xd body(3, kJoints);
-    for (int j = 0; j < kJoints; ++j) body.col(j) = Eigen::Vector3d(rng.Normal(), 3.0 * rng.Normal(), rng.Normal());
+    Eigen::Matrix3Xd body(3, kPoseJoints);
+    for (int j = 0; j < kPoseJoints; ++j) body.col(j) = Eigen::Vector3d(rng.Normal(), 3.0 * rng.Normal(), rng.Normal());
     for (int camera = 0; camera < 2; ++camera) {
       Eigen::Matrix3Xd pose =
           TurnAbout(Eigen::Vector3d::UnitX(), tilt_degrees) * TurnAbout(Eigen::Vector3d::UnitY(), 90.0 * camera) * body;

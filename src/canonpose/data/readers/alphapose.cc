@@ -35,7 +35,7 @@ void ReadFrame(const JsonValue& value, const std::string& image, CameraBuilder& 
   }
 }
 
-void ReadFile(const fs::path& path, CameraBuilder& builder) {
+void ReadAlphaPoseFile(const fs::path& path, CameraBuilder& builder) {
   const JsonValue root = JsonValue::Load(path);
   if (root.json().is_array()) {
     ReadFlatList(root, builder);
@@ -61,14 +61,14 @@ DetectedCamera ReadAlphaPose(const CameraInput& input) {
   CameraBuilder builder(input);
   std::error_code error;
   if (!fs::is_directory(input.path, error)) {
-    ReadFile(input.path, builder);
+    ReadAlphaPoseFile(input.path, builder);
     return builder.Finish(true);
   }
   const std::vector<fs::path> files = JsonFilesIn(input.path);
   Progress progress("reading " + input.name, std::ssize(files));
   long done = 0;
   for (const fs::path& file : files) {
-    ReadFile(file, builder);
+    ReadAlphaPoseFile(file, builder);
     progress.Update(++done, "");
   }
   return builder.Finish(true);

@@ -75,7 +75,7 @@ void ReadPeople(const JsonValue& instances, DetectedFrame& frame, CameraBuilder&
   }
 }
 
-void ReadFile(const fs::path& path, CameraBuilder& builder) {
+void ReadMmposeFile(const fs::path& path, CameraBuilder& builder) {
   const JsonValue root = JsonValue::Load(path);
   const JsonValue list = InstanceList(root);
   if (IsImage(list)) {
@@ -103,7 +103,7 @@ DetectedCamera ReadMmpose(const CameraInput& input) {
   CameraBuilder builder(input);
   std::error_code error;
   if (!fs::is_directory(input.path, error)) {
-    ReadFile(input.path, builder);
+    ReadMmposeFile(input.path, builder);
     return builder.Finish(false);
   }
   const std::vector<fs::path> files = JsonFilesIn(input.path);
@@ -111,7 +111,7 @@ DetectedCamera ReadMmpose(const CameraInput& input) {
   long done = 0;
   for (const fs::path& file : files) {
     FrameNumberOf(file.filename().string(), file.string(), "");
-    ReadFile(file, builder);
+    ReadMmposeFile(file, builder);
     progress.Update(++done, "");
   }
   return builder.Finish(false);

@@ -8,8 +8,6 @@
 namespace canonpose {
 namespace {
 
-constexpr double kGravity = 9810.0;  // mm/s^2
-
 double Wrapped(double angle) { return std::remainder(angle, 2 * kPi); }
 
 // When a jump's phases are.
@@ -25,8 +23,8 @@ struct JumpTimes {
 
 JumpTimes TimesOf(Stage& stage, double start, const Jump& jump) {
   JumpTimes times{};
-  times.velocity = std::sqrt(2 * kGravity * jump.height);
-  const double flight = 2 * times.velocity / kGravity;
+  times.velocity = std::sqrt(2 * kGravityMmPerS2 * jump.height);
+  const double flight = 2 * times.velocity / kGravityMmPerS2;
   // Pushing lasts as long as the way needs at somewhat more than half the takeoff's velocity.
   const double push = std::clamp(1.75 * (jump.crouch + stage.Tall(0.04)) / times.velocity, 0.12, 0.45);
   times.start = start;
@@ -176,8 +174,8 @@ double DoJump(Stage& stage, double start, const Jump& jump) {
   // Heights are relative to how the body stood.
   stage.Quintic(kPelvisZ, {{times.start, 0.0},
                            {times.bottom, -depth, 0.0, 0.8 * v / push},
-                           {times.takeoff, rise - base, v, -kGravity},
-                           {times.landing, rise - base, -v, -kGravity},
+                           {times.takeoff, rise - base, v, -kGravityMmPerS2},
+                           {times.landing, rise - base, -v, -kGravityMmPerS2},
                            {times.absorbed, -landing_depth, 0.0, 0.7 * v / absorb},
                            {times.end, 0.0}});
   const double bend = std::min(depth / stage.Tall(0.25), 1.2);

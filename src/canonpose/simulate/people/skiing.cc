@@ -13,8 +13,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kGravity = 9810.0;  // mm/s^2
-
 struct SkierStyle {
   double slope;
   double heading;
@@ -82,7 +80,7 @@ class Skier {
   void Ski() {
     const double rate = kPi / skier_.turn_seconds;
     // Sideways amplitude for which the largest turn asks for the largest inclination.
-    const double amplitude = kGravity * std::cos(skier_.slope) * std::tan(skier_.inclination) / (rate * rate);
+    const double amplitude = kGravityMmPerS2 * std::cos(skier_.slope) * std::tan(skier_.inclination) / (rate * rate);
     const double speed = amplitude * rate * stage_.Uniform(1.6, 2.2);
     double phase = phase_;
     double down = 0.0;
@@ -100,7 +98,7 @@ class Skier {
       turn.place = down * downhill + Vector3d(0, amplitude * size * std::sin(phase) - start, 0);
       turn.front = (down_speed * downhill + Vector3d(0, across_speed, 0)).normalized();
       const double press = amplitude * size * own_rate * own_rate * std::sin(phase);
-      turn.lean = -std::atan2(press, kGravity * std::cos(skier_.slope));
+      turn.lean = -std::atan2(press, kGravityMmPerS2 * std::cos(skier_.slope));
       turn.lean /= std::pow(1.0 + std::pow(turn.lean / Deg(62.0), 8.0), 1.0 / 8.0);
       Write(f, turn, phase);
       phase += dt * own_rate;

@@ -13,6 +13,7 @@
 
 namespace canonpose {
 
+constexpr double kGravityMmPerS2 = 9810.0;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double Deg(double degrees) { return degrees * kPi / 180.0; }
 

@@ -38,9 +38,9 @@ std::vector<Channel> ParseChannels(const TextLines& lines) {
   return channels;
 }
 
-class Parser {
+class AsfParser {
  public:
-  explicit Parser(const std::filesystem::path& path) : lines_(path, '#') { skeleton_.file = path.string(); }
+  explicit AsfParser(const std::filesystem::path& path) : lines_(path, '#') { skeleton_.file = path.string(); }
 
   AcclaimSkeleton Read() {
     AcclaimBone root;
@@ -278,6 +278,6 @@ class Parser {
 
 }  // namespace
 
-AcclaimSkeleton ReadAcclaimSkeleton(const std::filesystem::path& asf) { return Parser(asf).Read(); }
+AcclaimSkeleton ReadAcclaimSkeleton(const std::filesystem::path& asf) { return AsfParser(asf).Read(); }
 
 }  // namespace canonpose

@@ -50,9 +50,9 @@ struct BvhFile {
   std::vector<double> values;  // (frames, row)
 };
 
-class Parser {
+class BvhParser {
  public:
-  explicit Parser(const fs::path& path) : lines_(path) {}
+  explicit BvhParser(const fs::path& path) : lines_(path) {}
 
   BvhFile Read() {
     if (!lines_.Next() || !SameWord(lines_.words().front(), "HIERARCHY"))
@@ -303,7 +303,7 @@ void AddFrame(const BvhFile& bvh, const std::vector<bool>& is_left_out, std::siz
 }  // namespace
 
 ArticulatedMotion ReadBvh(const fs::path& path, double unit_mm) {
-  const BvhFile bvh = Parser(path).Read();
+  const BvhFile bvh = BvhParser(path).Read();
   const std::string file = path.string();
   ArticulatedMotion motion;
   motion.name = path.stem().string();

@@ -17,7 +17,7 @@
 namespace canonpose {
 namespace {
 
-constexpr std::size_t kJoints = 16;
+constexpr std::size_t kDetectedJoints = 16;
 constexpr std::array<int, 2> kUsualSize{1000, 1002};
 constexpr const char* kUsualLayout = "canonpose-16";
 constexpr const char* kOtherLayout = "mpii-16";
@@ -35,7 +35,7 @@ pickle::Numbers ReadRows(const pickle::Value& value, std::size_t rows, std::size
   pickle::Numbers numbers = value.ToNumbers();
   if (numbers.shape != std::vector{rows, columns}) {
     value.Fail(fmt::format("an array ({}, {}) = subjects, {}", rows, columns,
-                           columns == kJoints ? "joints" : "x of all joints and y of all joints"),
+                           columns == kDetectedJoints ? "joints" : "x of all joints and y of all joints"),
                "", fmt::format("shape ({})", fmt::join(numbers.shape, ", ")));
   }
   return numbers;
@@ -48,17 +48,17 @@ std::vector<Rows> ReadCameras(const pickle::Value& root, std::size_t count, cons
   for (const std::string& name : poses.Keys()) {
     Rows rows;
     rows.camera = name;
-    const std::vector<double> planar = ReadRows(poses[name], count, 2 * kJoints).values;
+    const std::vector<double> planar = ReadRows(poses[name], count, 2 * kDetectedJoints).values;
     for (std::size_t n = 0; n < count; ++n) {
-      for (std::size_t j = 0; j < kJoints; ++j) {
-        rows.keypoints.push_back(planar[(2 * n) * kJoints + j]);
-        rows.keypoints.push_back(planar[(2 * n + 1) * kJoints + j]);
+      for (std::size_t j = 0; j < kDetectedJoints; ++j) {
+        rows.keypoints.push_back(planar[(2 * n) * kDetectedJoints + j]);
+        rows.keypoints.push_back(planar[(2 * n + 1) * kDetectedJoints + j]);
       }
     }
-    RequireFinite(rows.keypoints, kJoints, 2, file, poses[name].place());
+    RequireFinite(rows.keypoints, kDetectedJoints, 2, file, poses[name].place());
     RequirePixels(rows.keypoints, file, poses[name].place());
-    rows.confidence = ReadRows(confidences[name], count, kJoints).values;
-    RequireFinite(rows.confidence, kJoints, 1, file, confidences[name].place());
+    rows.confidence = ReadRows(confidences[name], count, kDetectedJoints).values;
+    RequireFinite(rows.confidence, kDetectedJoints, 1, file, confidences[name].place());
     const auto least = std::min_element(rows.confidence.begin(), rows.confidence.end());
     if (least != rows.confidence.end() && *least < 0.0) {
       confidences[name].Fail("confidences from 0 on", "", fmt::format("{}", *least));
@@ -76,8 +76,8 @@ std::vector<KeypointClip> ToClips(const std::vector<Rows>& cameras, const std::s
     KeypointClip clip;
     clip.name = rows.camera;
     clip.path = file;
-    clip.keypoint_count = kJoints;
-    clip.frame_numbers.resize(rows.confidence.size() / kJoints);
+    clip.keypoint_count = kDetectedJoints;
+    clip.frame_numbers.resize(rows.confidence.size() / kDetectedJoints);
     clip.keypoints = ToFloats(rows.keypoints);
     clip.confidence = ToFloats(rows.confidence);
     clips.push_back(std::move(clip));
@@ -123,7 +123,7 @@ CameraView MakeView(const Rows& rows, const std::vector<std::size_t>& chosen, do
   view.name = rows.camera;
   view.image_size = image_size;
   for (const std::size_t n : chosen) {
-    for (std::size_t i = n * kJoints; i < (n + 1) * kJoints; ++i) {
+    for (std::size_t i = n * kDetectedJoints; i < (n + 1) * kDetectedJoints; ++i) {
       const auto confidence = static_cast<float>(std::min(1.0, rows.confidence[i] / scale));
       view.confidence.push_back(confidence);
       for (std::size_t axis = 0; axis < 2; ++axis) {

@@ -26,11 +26,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kCameras = 4;
-constexpr std::size_t kJoints = 17;
+constexpr std::size_t kHuman36mJoints = 17;
 constexpr std::size_t kStoredJoints = 32;
 constexpr double kFramesPerSecond = 50.0;
 /// The 17 joints that the field uses.
-constexpr std::array<std::size_t, kJoints> kKept = {0, 1, 2, 3, 6, 7, 8, 12, 13, 14, 15, 17, 18, 19, 25, 26, 27};
+constexpr std::array<std::size_t, kHuman36mJoints> kKept = {0, 1, 2, 3, 6, 7, 8, 12, 13, 14, 15, 17, 18, 19, 25, 26, 27};
 /// Cameras and the sizes of their images, in the order of VideoPose3D.
 constexpr std::array<std::pair<const char*, std::array<int, 2>>, kCameras> kKnownCameras = {
     {{"54138969", {1000, 1002}}, {"55011271", {1000, 1000}}, {"58860488", {1000, 1000}}, {"60457274", {1000, 1002}}}};
@@ -173,13 +173,13 @@ struct View {
 
 View ReadView(const pickle::Numbers& numbers, const pickle::Value& place, const fs::path& file) {
   const std::vector<std::size_t>& shape = numbers.shape;
-  if (shape.size() != 3 || shape[1] != kJoints || (shape[2] != 2 && shape[2] != 3)) {
+  if (shape.size() != 3 || shape[1] != kHuman36mJoints || (shape[2] != 2 && shape[2] != 3)) {
     place.Fail("an array (T, 17, 2) = frames, joints, pixels", "", fmt::format("shape ({})", fmt::join(shape, ", ")));
   }
   View view;
   view.frames = shape[0];
   view.has_confidence = shape[2] == 3;
-  for (std::size_t i = 0; i < shape[0] * kJoints; ++i) {
+  for (std::size_t i = 0; i < shape[0] * kHuman36mJoints; ++i) {
     view.keypoints.push_back(numbers.values[i * shape[2]]);
     view.keypoints.push_back(numbers.values[i * shape[2] + 1]);
     const double confidence = view.has_confidence ? numbers.values[i * shape[2] + 2] : 1.0;
@@ -188,7 +188,7 @@ View ReadView(const pickle::Numbers& numbers, const pickle::Value& place, const 
     }
     view.confidence.push_back(static_cast<float>(confidence));
   }
-  RequireFinite(view.keypoints, kJoints, 2, file.string(), place.place());
+  RequireFinite(view.keypoints, kHuman36mJoints, 2, file.string(), place.place());
   RequirePixels(view.keypoints, file.string(), place.place());
   return view;
 }
@@ -218,9 +218,9 @@ std::string ActionOf(const std::string& trial) {
                                                                                             : trial;
 }
 
-class Importer {
+class Human36mImporter {
  public:
-  explicit Importer(const BenchmarkOptions& options) : options_(options), files_(ReadFiles(options.paths)) {
+  explicit Human36mImporter(const BenchmarkOptions& options) : options_(options), files_(ReadFiles(options.paths)) {
     if (files_.layout != "h36m" && files_.layout != "coco") {
       ThrowBadInput({files_.path_2d.string(), "metadata, layout_name", "h36m or coco", files_.layout,
                      "give 2D poses in Human3.6M's or COCO's joints"});
@@ -261,7 +261,7 @@ class Importer {
     sequence.actions = {ActionOf(action)};
     std::vector<View> views = ReadViews(value, files_.path_2d);
     const std::optional<std::vector<float>> world_mm = ReadWorld(subject, action);
-    std::size_t frames = world_mm ? world_mm->size() / (3 * kJoints) : views.front().frames;
+    std::size_t frames = world_mm ? world_mm->size() / (3 * kHuman36mJoints) : views.front().frames;
     for (const View& view : views) {
       if (world_mm && view.frames < frames) {
         value.Fail(fmt::format("at least as many frames as the 3D poses have, {}", frames), "",
@@ -286,15 +286,15 @@ class Importer {
     CameraView view;
     view.name = lens.name;
     view.image_size = lens.image_size;
-    found.keypoints.resize(frames * kJoints * 2);
-    found.confidence.resize(frames * kJoints);
+    found.keypoints.resize(frames * kHuman36mJoints * 2);
+    found.confidence.resize(frames * kHuman36mJoints);
     view.keypoints = ToFloats(found.keypoints);
     view.confidence = std::move(found.confidence);
     has_confidence_ = has_confidence_ || found.has_confidence;
     if (camera == nullptr) return view;
     view.calibration = {*camera};
     if (!world_mm) return view;
-    for (std::size_t i = 0; i < frames * kJoints; ++i) {
+    for (std::size_t i = 0; i < frames * kHuman36mJoints; ++i) {
       const float* const point = &(*world_mm)[3 * i];
       const Eigen::Vector3d in_camera = camera->InCamera({point[0], point[1], point[2]});
       for (int axis = 0; axis < 3; ++axis) view.truth.push_back(static_cast<float>(in_camera[axis]));
@@ -381,7 +381,7 @@ class Importer {
 Dataset ImportH36m(const BenchmarkOptions& options) {
   if (options.paths.size() > 2)
     ThrowUsage("h36m takes the file of 2D poses and perhaps that of 3D poses, not {}", options.paths.size());
-  return Importer(options).Run();
+  return Human36mImporter(options).Run();
 }
 
 }  // namespace canonpose

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kJoints = 17;
+constexpr std::size_t kTestJoints = 17;
 /// As the benchmark's own evaluation names them, from 1 on.
 constexpr std::array<const char*, 7> kActivities = {
     "Standing/Walking", "Exercising", "Sitting", "Reaching/Crouching", "On The Floor", "Sports", "Miscellaneous"};
@@ -61,8 +61,8 @@ Annotation ReadAnnotation(const h5::Group& root, const std::string& name, std::s
   const std::vector<std::size_t>& shape = array.shape;
   Annotation annotation;
   const bool is_four = shape.size() == 4;
-  annotation.is_reversed = is_four && shape[0] == axes && shape[1] == kJoints && shape[2] == 1;
-  const bool is_direct = is_four && shape[1] == 1 && shape[2] == kJoints && shape[3] == axes;
+  annotation.is_reversed = is_four && shape[0] == axes && shape[1] == kTestJoints && shape[2] == 1;
+  const bool is_direct = is_four && shape[1] == 1 && shape[2] == kTestJoints && shape[3] == axes;
   if (!is_direct && !annotation.is_reversed) {
     root.Fail(name, fmt::format("shape (N, 1, 17, {0}) = frames, person, joints, axes, or ({0}, 17, 1, N)", axes),
               h5::FormatShape(shape), "give annot_data.mat of the test set as published");
@@ -76,9 +76,9 @@ Annotation ReadAnnotation(const h5::Group& root, const std::string& name, std::s
   const std::size_t frames = annotation.frames;
   annotation.values.resize(array.values.size());
   for (std::size_t axis = 0; axis < axes; ++axis) {
-    for (std::size_t joint = 0; joint < kJoints; ++joint) {
+    for (std::size_t joint = 0; joint < kTestJoints; ++joint) {
       for (std::size_t t = 0; t < frames; ++t) {
-        annotation.values[(t * kJoints + joint) * axes + axis] = array.values[(axis * kJoints + joint) * frames + t];
+        annotation.values[(t * kTestJoints + joint) * axes + axis] = array.values[(axis * kTestJoints + joint) * frames + t];
       }
     }
   }
@@ -117,8 +117,8 @@ int LeaveOutInvalid(const std::vector<double>& valid, std::vector<double>& keypo
       ++count;
       continue;
     }
-    std::fill_n(poses.begin() + static_cast<std::ptrdiff_t>(t * kJoints * 3), kJoints * 3, std::nan(""));
-    for (std::size_t i = t * kJoints * 2; i < (t + 1) * kJoints * 2; ++i) {
+    std::fill_n(poses.begin() + static_cast<std::ptrdiff_t>(t * kTestJoints * 3), kTestJoints * 3, std::nan(""));
+    for (std::size_t i = t * kTestJoints * 2; i < (t + 1) * kTestJoints * 2; ++i) {
       if (!std::isfinite(static_cast<float>(keypoints[i]))) keypoints[i] = std::nan("");
     }
   }
@@ -128,17 +128,17 @@ int LeaveOutInvalid(const std::vector<double>& valid, std::vector<double>& keypo
 /// Checks valid frames alone: the others may hold anything.
 void RequireFiniteWhere(const std::vector<double>& valid, const std::vector<double>& values, std::size_t axes,
                         const fs::path& path, const std::string& name) {
-  const auto size = static_cast<std::ptrdiff_t>(kJoints * axes);
+  const auto size = static_cast<std::ptrdiff_t>(kTestJoints * axes);
   for (std::size_t t = 0; t < valid.size(); ++t) {
     if (valid[t] == 0.0) continue;
     const auto begin = values.begin() + static_cast<std::ptrdiff_t>(t) * size;
-    RequireFinite({begin, begin + size}, kJoints, axes, path.string(), fmt::format("/{}, frame {}", name, t));
+    RequireFinite({begin, begin + size}, kTestJoints, axes, path.string(), fmt::format("/{}, frame {}", name, t));
   }
 }
 
-class Importer {
+class TestSetImporter {
  public:
-  explicit Importer(const BenchmarkOptions& options)
+  explicit TestSetImporter(const BenchmarkOptions& options)
       : options_(options), truth_(options.truth.empty() ? "univ_annot3" : options.truth) {}
 
   Dataset Run() {
@@ -216,6 +216,6 @@ class Importer {
 
 }  // namespace
 
-Dataset ImportMpi3dhpTest(const BenchmarkOptions& options) { return Importer(options).Run(); }
+Dataset ImportMpi3dhpTest(const BenchmarkOptions& options) { return TestSetImporter(options).Run(); }
 
 }  // namespace canonpose

@@ -24,11 +24,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kCameras = 14;
-constexpr std::size_t kJoints = 28;
-constexpr std::array<int, 2> kImageSize{2048, 2048};
+constexpr std::size_t kTrainCameras = 14;
+constexpr std::size_t kTrainJoints = 28;
+constexpr std::array<int, 2> kTrainImageSize{2048, 2048};
 /// annot3 meets annot2 within rounding where the calibration is the sequence's.
-constexpr double kFarFromTruthPx = 5.0;
+constexpr double kFarFromAnnot2Px = 5.0;
 
 // ----------------------------------------------------------------------------------------------------- calibration
 
@@ -112,11 +112,11 @@ CalibratedView ReadView(Lines& lines, std::size_t index) {
   return view;
 }
 
-std::vector<CalibratedView> ReadRig(const fs::path& path) {
+std::vector<CalibratedView> ReadTrainRig(const fs::path& path) {
   Lines lines(path);
   lines.Next("");
   std::vector<CalibratedView> rig;
-  for (std::size_t i = 0; i < kCameras; ++i) rig.push_back(ReadView(lines, i));
+  for (std::size_t i = 0; i < kTrainCameras; ++i) rig.push_back(ReadView(lines, i));
   return rig;
 }
 
@@ -138,26 +138,26 @@ std::string FolderNamed(const fs::path& path, const std::string& letters) {
 /// The cells of a variable, `axes` numbers a joint.
 std::vector<Matrix> ReadAnnotation(const MatFile& file, const std::string& name, std::size_t axes,
                                    const fs::path& path) {
-  std::vector<Matrix> cells = file.ReadCells(name, kCameras);
+  std::vector<Matrix> cells = file.ReadCells(name, kTrainCameras);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::string place = fmt::format("{}{{{}}}", name, i + 1);
     const Matrix& cell = cells[i];
-    if (cell.columns != axes * kJoints || cell.rows != cells.front().rows || cell.rows == 0) {
+    if (cell.columns != axes * kTrainJoints || cell.rows != cells.front().rows || cell.rows == 0) {
       file.Fail(place,
                 fmt::format("{} = frames, {} numbers for each of 28 joints",
-                            i == 0 ? fmt::format("(N, {})", axes * kJoints)
-                                   : fmt::format("({}, {})", cells.front().rows, axes * kJoints),
+                            i == 0 ? fmt::format("(N, {})", axes * kTrainJoints)
+                                   : fmt::format("({}, {})", cells.front().rows, axes * kTrainJoints),
                             axes),
                 fmt::format("({}, {})", cell.rows, cell.columns), "give annot.mat of the training set as published");
     }
-    RequireFinite(cell.values, kJoints, axes, path.string(), place);
+    RequireFinite(cell.values, kTrainJoints, axes, path.string(), place);
   }
   return cells;
 }
 
-class Importer {
+class TrainSetImporter {
  public:
-  explicit Importer(const BenchmarkOptions& options)
+  explicit TrainSetImporter(const BenchmarkOptions& options)
       : options_(options),
         files_(FilesNamed("annot.mat", options.paths)),
         truth_(options.truth.empty() ? "annot3" : options.truth) {
@@ -166,7 +166,7 @@ class Importer {
       ThrowUsage("--calibration belongs to one sequence, and {} files are given; import them one by one",
                  files_.size());
     }
-    rig_ = ReadRig(options.calibration);
+    rig_ = ReadTrainRig(options.calibration);
   }
 
   Dataset Run() {
@@ -204,13 +204,13 @@ class Importer {
     sequence.frame_count = static_cast<int>(frames);
     const double mm = Scale(poses.front(), path);
     std::vector<double> errors_px;
-    for (std::size_t c = 0; c < kCameras; ++c) {
+    for (std::size_t c = 0; c < kTrainCameras; ++c) {
       RequirePixels(keypoints[c].values, path.string(), fmt::format("annot2{{{}}}", c + 1));
       CameraView view;
       view.name = fmt::format("{}", c);
-      view.image_size = rig_ ? (*rig_)[c].image_size : kImageSize;
+      view.image_size = rig_ ? (*rig_)[c].image_size : kTrainImageSize;
       view.keypoints = ToFloats(keypoints[c].values);
-      view.confidence.assign(frames * kJoints, 1.0F);
+      view.confidence.assign(frames * kTrainJoints, 1.0F);
       view.truth = ToFloats(poses[c].values, mm);
       if (rig_) {
         view.calibration = {(*rig_)[c].camera};
@@ -232,7 +232,7 @@ class Importer {
   void ReportErrors(std::vector<double> errors_px) {
     const double median_px = Median(std::move(errors_px));
     LogInfo("truth, projected, lies {:.2f} px from annot2 (median)", median_px);
-    if (truth_ == "annot3" && median_px > kFarFromTruthPx) {
+    if (truth_ == "annot3" && median_px > kFarFromAnnot2Px) {
       LogWarning("that is far: check that the calibration belongs to this sequence");
     }
   }
@@ -246,6 +246,6 @@ class Importer {
 
 }  // namespace
 
-Dataset ImportMpi3dhpTrain(const BenchmarkOptions& options) { return Importer(options).Run(); }
+Dataset ImportMpi3dhpTrain(const BenchmarkOptions& options) { return TrainSetImporter(options).Run(); }
 
 }  // namespace canonpose

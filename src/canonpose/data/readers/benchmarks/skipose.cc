@@ -27,9 +27,9 @@ namespace fs = std::filesystem;
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Matrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr std::size_t kJoints = 17;
-constexpr int kImageSize = 256;
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr std::size_t kSkiJoints = 17;
+constexpr int kCropSize = 256;
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 /// A frame of reference whose projection is farther from 2D than this is not the one.
 constexpr double kFarPx = 8.0;
 
@@ -54,8 +54,8 @@ class LabelsFile {
     cam_ = ReadWhole(root, "cam");
     frame_ = ReadWhole(root, "frame");
     subj_ = ReadWhole(root, "subj");
-    poses_ = ReadRows(root, "3D", 3 * kJoints);
-    keypoints_ = ReadRows(root, "2D", 2 * kJoints);
+    poses_ = ReadRows(root, "3D", 3 * kSkiJoints);
+    keypoints_ = ReadRows(root, "2D", 2 * kSkiJoints);
     intrinsic_ = ReadRows(root, "cam_intrinsic", 9);
     position_ = ReadRows(root, "cam_position", 3);
     rotation_ = ReadRows(root, "R_cam_2_world", 9);
@@ -73,15 +73,15 @@ class LabelsFile {
     Row row;
     row.cam = cam_[i];
     row.frame = frame_[i];
-    for (std::size_t k = 0; k < 2 * kJoints; ++k) row.keypoints.push_back(kImageSize * keypoints_[2 * kJoints * i + k]);
-    row.pose = Eigen::Map<const Points>(&poses_[3 * kJoints * i], kJoints, 3);
+    for (std::size_t k = 0; k < 2 * kSkiJoints; ++k) row.keypoints.push_back(kCropSize * keypoints_[2 * kSkiJoints * i + k]);
+    row.pose = Eigen::Map<const Points>(&poses_[3 * kSkiJoints * i], kSkiJoints, 3);
     row.place = Eigen::Map<const Eigen::Vector3d>(&position_[3 * i]);
     const Matrix3 K = Eigen::Map<const Matrix3>(&intrinsic_[9 * i]);
     const bool is_camera_matrix = K(0, 0) > 0.0 && K(1, 1) > 0.0 && std::abs(K(2, 2) - 1.0) < 1e-6 &&
                                   std::abs(K(1, 0)) < 1e-6 && std::abs(K(2, 0)) < 1e-6 && std::abs(K(2, 1)) < 1e-6;
     if (!is_camera_matrix) Fail("cam_intrinsic", i, "[[fx, s, cx], [0, fy, cy], [0, 0, 1]] with fx, fy > 0");
-    row.camera.K << kImageSize * K(0, 0), kImageSize * K(0, 1), kImageSize * K(0, 2), 0.0, kImageSize * K(1, 1),
-        kImageSize * K(1, 2), 0.0, 0.0, 1.0;
+    row.camera.K << kCropSize * K(0, 0), kCropSize * K(0, 1), kCropSize * K(0, 2), 0.0, kCropSize * K(1, 1),
+        kCropSize * K(1, 2), 0.0, 0.0, 1.0;
     const Matrix3 R = Eigen::Map<const Matrix3>(&rotation_[9 * i]);
     constexpr double kRounding = 0.01;
     if ((R * R.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() > kRounding || R.determinant() < 0.0) {
@@ -104,10 +104,10 @@ class LabelsFile {
   void SwapLegs() {
     for (std::size_t i = 0; i < size(); ++i) {
       for (std::size_t joint = 1; joint <= 3; ++joint) {
-        std::swap_ranges(&poses_[3 * (i * kJoints + joint)], &poses_[3 * (i * kJoints + joint)] + 3,
-                         &poses_[3 * (i * kJoints + joint + 3)]);
-        std::swap_ranges(&keypoints_[2 * (i * kJoints + joint)], &keypoints_[2 * (i * kJoints + joint)] + 2,
-                         &keypoints_[2 * (i * kJoints + joint + 3)]);
+        std::swap_ranges(&poses_[3 * (i * kSkiJoints + joint)], &poses_[3 * (i * kSkiJoints + joint)] + 3,
+                         &poses_[3 * (i * kSkiJoints + joint + 3)]);
+        std::swap_ranges(&keypoints_[2 * (i * kSkiJoints + joint)], &keypoints_[2 * (i * kSkiJoints + joint)] + 2,
+                         &keypoints_[2 * (i * kSkiJoints + joint + 3)]);
       }
     }
   }
@@ -177,7 +177,7 @@ constexpr std::array<Frame, 4> kFrames = {
 /// The shift with which points project nearest to pixels: u (z + c) = x + a and v (z + c) = y + b for each joint, by
 /// least squares.
 Eigen::Vector3d FindPlace(const Points& points, const Row& row) {
-  const auto joints = static_cast<Eigen::Index>(kJoints);
+  const auto joints = static_cast<Eigen::Index>(kSkiJoints);
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * joints, 3);
   Eigen::VectorXd b(2 * joints);
   const Eigen::Matrix3d K_inverse = row.camera.K.inverse();
@@ -314,7 +314,7 @@ CameraView MakeView(int cam, const std::map<int, Row>& rows, const std::vector<i
                     double mm) {
   CameraView view;
   view.name = fmt::format("cam_{:02d}", cam);
-  view.image_size = {kImageSize, kImageSize};
+  view.image_size = {kCropSize, kCropSize};
   for (const int number : frames) {
     auto nearest = rows.lower_bound(number);
     if (nearest == rows.end()) nearest = std::prev(nearest);
@@ -322,19 +322,19 @@ CameraView MakeView(int cam, const std::map<int, Row>& rows, const std::vector<i
     camera.camera_from_world_translation_mm *= mm;
     view.calibration.push_back(camera);
     const bool is_seen = nearest->first == number;
-    const Points points = is_seen ? InCamera(nearest->second, frame) : Points::Constant(kJoints, 3, std::nan(""));
-    for (std::size_t i = 0; i < 2 * kJoints; ++i) {
-      view.keypoints.push_back(is_seen ? static_cast<float>(nearest->second.keypoints[i]) : kNaN);
+    const Points points = is_seen ? InCamera(nearest->second, frame) : Points::Constant(kSkiJoints, 3, std::nan(""));
+    for (std::size_t i = 0; i < 2 * kSkiJoints; ++i) {
+      view.keypoints.push_back(is_seen ? static_cast<float>(nearest->second.keypoints[i]) : kUnknown);
     }
-    view.confidence.insert(view.confidence.end(), kJoints, is_seen ? 1.0F : 0.0F);
+    view.confidence.insert(view.confidence.end(), kSkiJoints, is_seen ? 1.0F : 0.0F);
     for (Eigen::Index i = 0; i < points.size(); ++i) view.truth.push_back(static_cast<float>(mm * points.data()[i]));
   }
   return view;
 }
 
-class Importer {
+class SkiPoseImporter {
  public:
-  explicit Importer(const BenchmarkOptions& options) : options_(options) {}
+  explicit SkiPoseImporter(const BenchmarkOptions& options) : options_(options) {}
 
   Dataset Run() {
     std::vector<fs::path> files;
@@ -348,7 +348,7 @@ class Importer {
     const Skeleton& layout = BenchmarkLayout("h36m-17");
     BenchmarkBuilder builder(options_, layout, layout, "h36m-17");
     for (const fs::path& path : files) AddFile(path, builder);
-    LogInfo("images are {0}x{0}; the annotations have no confidences: all are 1; the cameras move", kImageSize);
+    LogInfo("images are {0}x{0}; the annotations have no confidences: all are 1; the cameras move", kCropSize);
     return builder.Finish();
   }
 
@@ -427,6 +427,6 @@ class Importer {
 
 }  // namespace
 
-Dataset ImportSkiPose(const BenchmarkOptions& options) { return Importer(options).Run(); }
+Dataset ImportSkiPose(const BenchmarkOptions& options) { return SkiPoseImporter(options).Run(); }
 
 }  // namespace canonpose

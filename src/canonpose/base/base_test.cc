@@ -18,6 +18,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/hash.h"
 #include "canonpose/base/log.h"
+#include "canonpose/base/nearest_name.h"
 #include "canonpose/base/progress.h"
 #include "canonpose/base/random.h"
 #include "canonpose/base/terminal_testing.h"
@@ -228,6 +229,19 @@ TEST(Progress, MovesInPlaceOnATerminalAlone) {
   const std::string said = SaidTo(Output::kTerminal, work);
   EXPECT_THAT(said, AllOf(HasSubstr("step 2/3  later"), Not(HasSubstr("soon")), Not(HasSubstr("\n"))));
   EXPECT_EQ(Lasting(said), "");
+}
+
+TEST(NearestName, FindsSlipsAndBeginningsAndNothingElse) {
+  const std::vector<std::string> names = {"import", "train", "train-morph", "evaluate", "lift"};
+  EXPECT_EQ(NearestName("imprt", names), "import");
+  EXPECT_EQ(NearestName("Import", names), "import");
+  EXPECT_EQ(NearestName("trian", names), "train") << "swapped letters are one slip";
+  EXPECT_EQ(NearestName("trains", names), "train");
+  EXPECT_EQ(NearestName("train_morph", names), "train-morph");
+  EXPECT_EQ(NearestName("eval", names), "evaluate");
+  EXPECT_EQ(NearestName("tra", names), std::nullopt) << "the beginning of two";
+  EXPECT_EQ(NearestName("fly", names), std::nullopt);
+  EXPECT_EQ(NearestName("", names), std::nullopt);
 }
 
 }  // namespace

@@ -41,7 +41,6 @@ struct Arguments {
   bool canonical = false;
   bool list_protocols = false;
   std::string device = "cpu";
-  long seed = 0;
 };
 
 Predictor ModelPoses(const PoseLifter& lifter) {
@@ -158,7 +157,6 @@ void AddEvaluateCommand(CLI::App& app) {
   command->add_option("--root", arguments->root,
                       "Root joint of --predictions by number (default: by the archive's joint names, otherwise 0)");
   command->add_option("--device", arguments->device, "cpu or cuda")->capture_default_str();
-  command->add_option("--seed", arguments->seed, "Taken like by every command; evaluation has nothing random");
   command->callback([arguments] { RunEvaluate(*arguments); });
 }
 

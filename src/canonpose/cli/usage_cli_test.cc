@@ -62,5 +62,15 @@ TEST(Usage, AnUnknownOptionIsNamedWithTheNearest) {
   ExpectMistake({"info"}, AllOf(HasSubstr("file is required"), HasSubstr("canonpose help info")));
 }
 
+TEST(Usage, ASeedIsForWhereChancePlays) {
+  for (const std::string command : {"simulate", "solve", "train", "train-morph"}) {
+    EXPECT_THAT(Execute({command, "--help"}).output, HasSubstr("--seed")) << command;
+  }
+  for (const std::string command : {"evaluate", "import", "info", "lift"}) {
+    EXPECT_THAT(Execute({command, "--help"}).output, Not(HasSubstr("--seed"))) << command;
+    ExpectMistake({command, "--seed", "1"}, HasSubstr(command + " has no option --seed"));
+  }
+}
+
 }  // namespace
 }  // namespace canonpose

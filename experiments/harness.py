@@ -4,9 +4,9 @@ import concurrent.futures
 import hashlib
 import json
 import pathlib
-import re
 import statistics
 import subprocess
+import tempfile
 
 PROJECT = pathlib.Path(__file__).resolve().parent.parent
 CANONPOSE = PROJECT / "build" / "canonpose"
@@ -49,7 +49,10 @@ def add_train_options(parser, default):
 
 
 def require_protocol(name):
-    known = re.findall(r"^ *([^ :]+): ", run("evaluate", "--list-protocols"), re.MULTILINE)
+    with tempfile.TemporaryDirectory() as folder:
+        listed = pathlib.Path(folder) / "protocols.json"
+        run("evaluate", "--list-protocols", "--json", listed)
+        known = [protocol["name"] for protocol in json.loads(listed.read_text())["protocols"]]
     if name not in known:
         raise SystemExit(f"error: there is no protocol {name}; there are {', '.join(known)}")
 
@@ -79,16 +82,15 @@ def evaluate_solved(solved, *options):
 def train_and_evaluate(run_folder, train_data, test_data, preset, seed, settings, evaluate_options=()):
     """One training: its figures on the test data, the mirror decision and whether it is in the trap."""
     run("train", *train_data, "-o", run_folder, "--preset", preset, "--seed", seed, "--threads", 1, *settings)
-    info = run("info", run_folder)
-    mirror = re.search(r"^mirror +([^(\n]+?)(?: \(slope ([-+.\d]+) \+- ([.\d]+).*)?$", info, re.MULTILINE)
-    verdict = re.search(r"^trap +(\w+)", info, re.MULTILINE)
+    info = json.loads(run("info", run_folder, "--json"))
+    mirror, trap = info["mirror"], info["trap"]
     report = evaluate(run_folder, test_data, *evaluate_options)
     metrics = [json.loads(line) for line in (run_folder / "metrics.jsonl").read_text().splitlines()]
-    return {"preset": preset, "seed": seed, "decision": mirror[1], "slope": mirror[2] and float(mirror[2]),
-            "slope_error": mirror[3] and float(mirror[3]), "n_mpjpe": report["n_mpjpe_mm"], "p_mpjpe": report["p_mpjpe_mm"],
+    return {"preset": preset, "seed": seed, "decision": mirror["decision"], "slope": mirror["slope"],
+            "slope_error": mirror["slope_error"], "n_mpjpe": report["n_mpjpe_mm"], "p_mpjpe": report["p_mpjpe_mm"],
             "pck": report["pck150_percent"], "cps": report["cps"], "mirrored_percent": report["mirrored_percent"],
             "depth": report["depth_extent_ratio"], "validation": metrics[-1]["validation"], "loss": metrics[-1]["loss"],
-            "steps": metrics[-1]["step"], "verdict": verdict and verdict[1]}
+            "steps": metrics[-1]["step"], "verdict": trap and trap["verdict"]}
 
 
 def is_mirrored(result):

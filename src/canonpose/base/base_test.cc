@@ -1,8 +1,11 @@
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <fstream>
+#include <regex>
 #include <set>
+#include <thread>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -14,8 +17,11 @@
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
 #include "canonpose/base/hash.h"
+#include "canonpose/base/log.h"
+#include "canonpose/base/nearest_name.h"
 #include "canonpose/base/progress.h"
 #include "canonpose/base/random.h"
+#include "canonpose/base/terminal_testing.h"
 #include "canonpose/base/testing.h"
 
 namespace canonpose {
@@ -24,6 +30,10 @@ namespace {
 using ::testing::AllOf;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
+using testing::Lasting;
+using ::testing::Not;
+using testing::Output;
+using testing::SaidTo;
 using testing::TemporaryFolder;
 
 TEST(Error, BadInputIsOneLineWithAllParts) {
@@ -187,6 +197,51 @@ TEST(FormatDuration, ChoosesTheUnit) {
   EXPECT_EQ(FormatDuration(12.4), "12 s");
   EXPECT_EQ(FormatDuration(185), "3 min 05 s");
   EXPECT_EQ(FormatDuration(3720), "1 h 02 min");
+}
+
+TEST(Progress, LeavesTheSameLinesOnATerminalAndInAPipe) {
+  const auto work = [] {
+    LogInfo("begin");
+    {
+      Progress progress("step", 3, 0, std::chrono::seconds(0));  // every line lasts
+      for (long done = 1; done <= 3; ++done) progress.Update(done, "loss 0.5");
+    }
+    LogWarning("end");
+  };
+  // Speeds differ.
+  const auto masked = [](const std::string& said) {
+    return std::regex_replace(Lasting(said), std::regex(R"(  [0-9.]+/s  .* left)"), "  SPEED");
+  };
+  EXPECT_EQ(masked(SaidTo(Output::kPipe, work)),
+            "begin\nstep 1/3  loss 0.5  SPEED\nstep 2/3  loss 0.5  SPEED\nstep 3/3  loss 0.5  SPEED\nwarning: end\n");
+  EXPECT_EQ(masked(SaidTo(Output::kTerminal, work)), masked(SaidTo(Output::kPipe, work)));
+}
+
+TEST(Progress, MovesInPlaceOnATerminalAlone) {
+  const auto work = [] {
+    Progress progress("step", 3);
+    progress.Update(1, "soon");
+    std::this_thread::sleep_for(std::chrono::milliseconds(250));
+    EXPECT_EQ(progress.IsDue(), isatty(STDERR_FILENO) == 1);
+    progress.Update(2, "later");
+  };
+  EXPECT_EQ(SaidTo(Output::kPipe, work), "");
+  const std::string said = SaidTo(Output::kTerminal, work);
+  EXPECT_THAT(said, AllOf(HasSubstr("step 2/3  later"), Not(HasSubstr("soon")), Not(HasSubstr("\n"))));
+  EXPECT_EQ(Lasting(said), "");
+}
+
+TEST(NearestName, FindsSlipsAndBeginningsAndNothingElse) {
+  const std::vector<std::string> names = {"import", "train", "train-morph", "evaluate", "lift"};
+  EXPECT_EQ(NearestName("imprt", names), "import");
+  EXPECT_EQ(NearestName("Import", names), "import");
+  EXPECT_EQ(NearestName("trian", names), "train") << "swapped letters are one slip";
+  EXPECT_EQ(NearestName("trains", names), "train");
+  EXPECT_EQ(NearestName("train_morph", names), "train-morph");
+  EXPECT_EQ(NearestName("eval", names), "evaluate");
+  EXPECT_EQ(NearestName("tra", names), std::nullopt) << "the beginning of two";
+  EXPECT_EQ(NearestName("fly", names), std::nullopt);
+  EXPECT_EQ(NearestName("", names), std::nullopt);
 }
 
 }  // namespace

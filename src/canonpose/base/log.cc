@@ -27,7 +27,7 @@ std::shared_ptr<spdlog::logger>& FileLogger() {
 }
 
 void Log(const std::string& text) {
-  static const bool is_terminal = isatty(STDERR_FILENO) == 1;
+  const bool is_terminal = isatty(STDERR_FILENO) == 1;
   Terminal().info("{}{}", is_terminal ? "\r\033[K" : "", text);
   LogToFileOnly(text);
 }

@@ -34,7 +34,7 @@ class LogFile {
   LogFile& operator=(const LogFile&) = delete;
 };
 
-/// Writes to the log file alone (progress lines that a terminal shows in place).
+/// Writes to the log file alone: what would be too much for the person at the terminal.
 void LogToFileOnly(const std::string& text);
 
 }  // namespace canonpose

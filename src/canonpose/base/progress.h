@@ -1,4 +1,5 @@
-// A progress line: in place on a terminal, as plain lines now and then elsewhere.
+// How far long work is: a lasting line now and then, the same on a terminal as anywhere else, so that what was said is
+// the same. On a terminal a line in place keeps moving in between.
 #pragma once
 
 #include <chrono>
@@ -11,10 +12,13 @@ std::string FormatDuration(double seconds);
 
 class Progress {
  public:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::seconds kLastingPeriod{10};
+
   /// `total` steps are to come, `done` of which lie behind already (a resumed run), so that the speed is this run's
-  /// own.
-  Progress(std::string label, long total, long done = 0);
-  /// Clears the line.
+  /// own. A lasting line comes every `lasting_period`.
+  Progress(std::string label, long total, long done = 0, Clock::duration lasting_period = kLastingPeriod);
+  /// Clears the line in place.
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -25,13 +29,16 @@ class Progress {
   [[nodiscard]] bool IsDue() const;
 
  private:
-  using Clock = std::chrono::steady_clock;
+  [[nodiscard]] std::string Describe(long done, const std::string& detail, Clock::time_point now) const;
+
   std::string label_;
   long total_;
   long first_;
   bool is_terminal_;
+  Clock::duration lasting_period_;
   Clock::time_point start_ = Clock::now();
-  Clock::time_point next_show_;
+  Clock::time_point next_lasting_;
+  Clock::time_point next_in_place_;  ///< never, where there is no terminal
 };
 
 }  // namespace canonpose

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <regex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/hdf5.h"
 #include "canonpose/base/random.h"
+#include "canonpose/base/terminal_testing.h"
 #include "canonpose/base/testing.h"
 #include "canonpose/cli/program_testing.h"
 #include "canonpose/data/dataset.h"
@@ -27,11 +29,15 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
+using testing::Become;
 using testing::Execute;
 using testing::ExpectBadInput;
 using ::testing::HasSubstr;
+using testing::Lasting;
 using ::testing::Not;
 using testing::Outcome;
+using testing::Output;
+using testing::SaidTo;
 using testing::Shared;
 using testing::Start;
 using testing::TemporaryFolder;
@@ -373,6 +379,25 @@ TEST(Program, BadInputsOfSimulation) {
   EXPECT_EQ(Execute({"simulate"}).exit_code, 2);
   EXPECT_EQ(Execute({"simulate", "--activities", "flying", "-o", out}).exit_code, 2);
   EXPECT_FALSE(fs::exists(out));
+}
+
+TEST(Program, TrainingSaysTheSameOnATerminalAndInAPipe) {
+  const TemporaryFolder folder;
+  WriteData(folder / "data.h5");
+  const auto train = [&](Output output) {
+    std::vector<std::string> arguments = TrainArguments(folder / "data.h5", folder / "run");
+    arguments.insert(arguments.end(), {"--epochs", "400", "--overwrite"});
+    return SaidTo(output, [&] { Become(arguments); });
+  };
+  const auto masked = [](const std::string& said) {
+    return std::regex_replace(Lasting(said), std::regex(R"(steps in [^,;]*)"), "steps in TIME");
+  };
+  const std::string piped = train(Output::kPipe);
+  const std::string shown = train(Output::kTerminal);
+  EXPECT_THAT(shown, HasSubstr("step ")) << "what a terminal shows in place";
+  EXPECT_THAT(masked(shown), Not(HasSubstr("\033")));
+  EXPECT_THAT(masked(piped), AllOf(HasSubstr("frames to train on"), HasSubstr("steps in TIME")));
+  EXPECT_EQ(masked(shown), masked(piped));
 }
 
 TEST(Program, InterruptedTrainingSavesAndSaysHowToGoOn) {

@@ -41,7 +41,6 @@ struct Arguments {
   bool canonical = false;
   bool list_protocols = false;
   std::string device = "cpu";
-  long seed = 0;
 };
 
 Predictor ModelPoses(const PoseLifter& lifter) {
@@ -112,6 +111,7 @@ EvaluationReport EvaluatePaths(const Arguments& arguments, FrameErrors* frame_er
 
 void RunEvaluate(const Arguments& arguments) {
   if (arguments.list_protocols) {
+    if (!arguments.json.empty()) WriteFileAtomically(arguments.json, ProtocolListAsJson());
     std::cout << ProtocolList() << std::flush;
     return;
   }
@@ -141,7 +141,7 @@ void AddEvaluateCommand(CLI::App& app) {
   command->add_option("paths", arguments->paths, "A run or model file and then datasets; or solved datasets alone");
   command->add_option("--predictions", arguments->predictions, "Archive (.npz) with pose3d (N, J, 3) in any unit");
   command->add_option("--truth", arguments->truth, "Archive (.npz) with pose3d (N, J, 3) in mm");
-  command->add_option("--json", arguments->json, "Write the figures to this file, too");
+  command->add_option("--json", arguments->json, "Write the figures, or the protocols, to this file, too");
   command->add_option("--protocol", arguments->protocol, ProtocolHelp())->capture_default_str();
   command->add_flag("--list-protocols", arguments->list_protocols, "Print all protocols in words");
   command->add_flag("--triangulate", arguments->triangulate,
@@ -157,7 +157,6 @@ void AddEvaluateCommand(CLI::App& app) {
   command->add_option("--root", arguments->root,
                       "Root joint of --predictions by number (default: by the archive's joint names, otherwise 0)");
   command->add_option("--device", arguments->device, "cpu or cuda")->capture_default_str();
-  command->add_option("--seed", arguments->seed, "Taken like by every command; evaluation has nothing random");
   command->callback([arguments] { RunEvaluate(*arguments); });
 }
 

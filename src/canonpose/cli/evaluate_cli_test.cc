@@ -85,6 +85,16 @@ TEST(EvaluateProgram, ListsProtocolsAndRefusesOthers) {
   const Outcome listed = Execute({"evaluate", "--list-protocols"});
   EXPECT_EQ(listed.exit_code, 0);
   EXPECT_THAT(listed.output, AllOf(HasSubstr("h36m-1: "), HasSubstr("skipose: "), HasSubstr("means over actions")));
+  const TemporaryFolder folder;
+  ASSERT_EQ(Execute({"evaluate", "--list-protocols", "--json", folder / "list.json"}).exit_code, 0);
+  const json list = json::parse(ReadFile(folder / "list.json"))["protocols"];
+  ASSERT_EQ(list.size(), 5U);
+  EXPECT_EQ(list[0]["name"], "all-frames");
+  EXPECT_TRUE(list[0]["truth_kind"].is_null());
+  EXPECT_EQ(list[3]["name"], "3dhp");
+  EXPECT_EQ(list[3]["truth_kind"], "univ_annot3");
+  EXPECT_EQ(list[3]["pck"]["joints"].size(), 14U);
+  EXPECT_EQ(list[3]["headline"], "pck150_percent");
   const std::string data = TestData("protocols/3dhp.h5");
   const Outcome unknown = Execute({"evaluate", data, "--protocol", "h36m"});
   EXPECT_EQ(unknown.exit_code, 2);
@@ -243,6 +253,36 @@ TEST(EvaluateProgram, ReportOfSeveralMethods) {
   EXPECT_THAT(ReadFile(folder / "out"), HasSubstr("--mixed"));
   ASSERT_EQ(report("ours=h36m-1 theirs=all-frames -o mixed --mixed"), 0) << ReadFile(folder / "out");
   EXPECT_THAT(ReadFile(folder / "mixed/table.md"), AllOf(HasSubstr("| ours | h36m-1 |"), HasSubstr("| all-frames |")));
+}
+
+TEST(EvaluateProgram, ExperimentsReadItAndInfo) {
+  if (std::system("python3 -c pass") != 0) GTEST_SKIP() << "there is no python3";
+  const TemporaryFolder folder;
+  const std::string data = folder / "data.h5";
+  ASSERT_EQ(
+      Execute({"simulate", "-o", data, "--subjects", "1", "--clips", "2", "--seconds", "2", "--fps", "10"}).exit_code,
+      0);
+  const auto python = [&](const std::string& code) {
+    WriteFileAtomically(folder / "code.py",
+                        fmt::format("import pathlib, sys\nsys.dont_write_bytecode = True\nsys.path.insert(0, '{}')\n"
+                                    "import harness\nharness.CANONPOSE = pathlib.Path('{}')\n{}\n",
+                                    CANONPOSE_EXPERIMENTS, CANONPOSE_PROGRAM, code));
+    const std::string path = folder.path().string();
+    return std::system(fmt::format("python3 {0}/code.py >{0}/out 2>&1", path).c_str());
+  };
+  EXPECT_EQ(python("harness.require_protocol('h36m-1')"), 0) << ReadFile(folder / "out");
+  EXPECT_NE(python("harness.require_protocol('h36m')"), 0);
+  EXPECT_THAT(ReadFile(folder / "out"), HasSubstr("there are all-frames, h36m-1, h36m-2, 3dhp, skipose"));
+  const auto results = [&](const std::string& preset) {
+    const std::string call =
+        fmt::format("harness.train_and_evaluate(pathlib.Path('{}'), ['{}'], '{}', '{}', 0, {})",
+                    (folder / preset).string(), data, data, preset, "['--width', 16, '--epochs', 1]");
+    EXPECT_EQ(python("print(" + call + ")"), 0) << ReadFile(folder / "out");
+    return ReadFile(folder / "out");
+  };
+  EXPECT_THAT(results("paper"), AllOf(HasSubstr("'slope_error': 0."), ::testing::Not(HasSubstr("'verdict': None"))));
+  EXPECT_THAT(results("supervised"), AllOf(HasSubstr("'decision': 'known from the truth'"), HasSubstr("'slope': None"),
+                                           HasSubstr("'verdict': None")));
 }
 
 }  // namespace

@@ -35,7 +35,6 @@ struct ImportArguments {
   std::string truth;
   std::vector<std::string> chosen_cameras;
   std::string output;
-  long seed = 0;
 };
 
 /// "NAME=VALUE" as its two halves; the name is empty where there is no '='.
@@ -228,7 +227,6 @@ void AddImportCommand(CLI::App& app) {
       ->type_name("NAME");
   command->add_option("--fps", options.fps, "Frames a second")->type_name("FPS");
   command->add_flag("--moving", options.moving_cameras, "The cameras move");
-  command->add_option("--seed", arguments->seed, "Taken by all commands; importing draws no random numbers");
   command->callback([arguments, command] { RunImport(*arguments, *command); });
 }
 

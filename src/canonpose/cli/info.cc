@@ -1,128 +1,150 @@
 // canonpose info FILE: what any of our files is, holds and came from.
-#include <algorithm>
-#include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <iostream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "canonpose/base/error.h"
+#include "canonpose/base/hdf5.h"
 #include "canonpose/cli/commands.h"
-#include "canonpose/data/dataset.h"
-#include "canonpose/data/npz.h"
-#include "canonpose/model/model_file.h"
-#include "canonpose/train/checkpoint.h"
+#include "canonpose/cli/info_facts.h"
 
 namespace canonpose {
 namespace {
 
 namespace fs = std::filesystem;
+using Texts = std::vector<std::string>;
 
-void PrintSkeleton(const Skeleton& skeleton, const DatasetSource& source) {
-  fmt::print("skeleton     {}{} joints, root {}\n", skeleton.name.empty() ? "" : skeleton.name + ", ",
-             skeleton.joint_count(), skeleton.joints[static_cast<std::size_t>(skeleton.root)]);
-  fmt::print("joints       {}\n", fmt::join(skeleton.joints, ", "));
-  if (source.format.empty()) return;
-  fmt::print(
-      "made from    {}{}{}\n", source.format, source.layout.empty() ? "" : fmt::format(", layout {}", source.layout),
-      source.confidence_scale == 1.0 ? "" : fmt::format(", confidences divided by {:g}", source.confidence_scale));
-  for (const std::string& line : source.mapping) {
+struct Arguments {
+  fs::path path;
+  bool json = false;
+};
+
+std::string TextIn(const Facts& facts, const char* key) { return facts.at(key).get<std::string>(); }
+double NumberIn(const Facts& facts, const char* key) { return facts.at(key).get<double>(); }
+long CountIn(const Facts& facts, const char* key) { return facts.at(key).get<long>(); }
+bool IsIn(const Facts& facts, const char* key) { return facts.at(key).get<bool>(); }
+bool IsKnown(const Facts& facts, const char* key) { return !facts.at(key).is_null(); }
+
+void PrintSkeleton(const Facts& skeleton) {
+  const auto joints = skeleton.at("joints").get<Texts>();
+  fmt::print("skeleton     {}{} joints, root {}\n", IsKnown(skeleton, "name") ? TextIn(skeleton, "name") + ", " : "",
+             joints.size(), joints.at(skeleton.at("root").get<std::size_t>()));
+  fmt::print("joints       {}\n", fmt::join(joints, ", "));
+}
+
+void PrintSource(const Facts& source) {
+  if (source.is_null()) return;
+  const double scale = NumberIn(source, "confidence_scale");
+  fmt::print("made from    {}{}{}\n", TextIn(source, "format"),
+             IsKnown(source, "layout") ? fmt::format(", layout {}", TextIn(source, "layout")) : "",
+             scale == 1.0 ? "" : fmt::format(", confidences divided by {:g}", scale));
+  for (const std::string& line : source.at("mapping").get<Texts>()) {
     if (line.find('(') != std::string::npos) fmt::print("derived      {}\n", line);
   }
 }
 
-/// Share of joints seen, in percent.
-double SeenPercent(const CameraView& view) {
-  if (view.confidence.empty()) return 0.0;
-  const auto seen = std::count_if(view.confidence.begin(), view.confidence.end(), [](float c) { return c > 0.0F; });
-  return 100.0 * static_cast<double>(seen) / static_cast<double>(view.confidence.size());
+void PrintCamera(const Facts& camera) {
+  const Facts& size = camera.at("image_size");
+  fmt::print("  camera     {}: {}x{} px, {:.1f} % of joints seen{}{}{}\n", TextIn(camera, "name"),
+             size.at(0).get<int>(), size.at(1).get<int>(), NumberIn(camera, "seen_percent"),
+             IsIn(camera, "truth") ? ", truth" : "", IsIn(camera, "solved") ? ", solved" : "",
+             IsIn(camera, "calibrated") ? ", calibrated" : "");
 }
 
-void PrintDataset(const Dataset& dataset) {
-  std::size_t frames = 0;
-  for (const Sequence& sequence : dataset.sequences) frames += static_cast<std::size_t>(sequence.frame_count);
-  fmt::print("dataset      {} sequences, {} frames, fingerprint {:016x}\n", dataset.sequences.size(), frames,
-             dataset.Fingerprint());
-  PrintSkeleton(dataset.skeleton, dataset.source);
-  for (const Sequence& sequence : dataset.sequences) {
-    fmt::print("sequence     {}: subject {}, {} frames{}, {} cameras, capture {}\n", sequence.name, sequence.subject,
-               sequence.frame_count, sequence.fps > 0 ? fmt::format(" at {:g}/s", sequence.fps) : "",
-               sequence.static_cameras ? "static" : "moving", sequence.capture);
-    if (!sequence.actions.empty()) fmt::print("  actions    {}\n", fmt::join(sequence.actions, ", "));
-    if (!sequence.truth_kind.empty()) fmt::print("  truth      {}\n", sequence.truth_kind);
-    for (const CameraView& view : sequence.cameras) {
-      fmt::print("  camera     {}: {}x{} px, {:.1f} % of joints seen{}{}{}\n", view.name, view.image_size[0],
-                 view.image_size[1], SeenPercent(view), view.truth.empty() ? "" : ", truth",
-                 view.solved.empty() ? "" : ", solved", view.calibration.empty() ? "" : ", calibrated");
-    }
-  }
+void PrintSequence(const Facts& sequence) {
+  fmt::print("sequence     {}: subject {}, {} frames{}, {} cameras, capture {}\n", TextIn(sequence, "name"),
+             TextIn(sequence, "subject"), CountIn(sequence, "frames"),
+             IsKnown(sequence, "fps") ? fmt::format(" at {:g}/s", NumberIn(sequence, "fps")) : "",
+             IsIn(sequence, "static_cameras") ? "static" : "moving", TextIn(sequence, "capture"));
+  const auto actions = sequence.at("actions").get<Texts>();
+  if (!actions.empty()) fmt::print("  actions    {}\n", fmt::join(actions, ", "));
+  if (IsKnown(sequence, "truth_kind")) fmt::print("  truth      {}\n", TextIn(sequence, "truth_kind"));
+  for (const Facts& camera : sequence.at("cameras")) PrintCamera(camera);
 }
 
-void PrintModel(const ModelInfo& info) {
-  fmt::print("made by      canonpose {}\n", info.program_version);
-  fmt::print("training     preset {}, network {}, width {}, seed {}, {} steps\n", info.preset, info.network, info.width,
-             info.seed, info.steps);
-  fmt::print("mirror       {}", info.mirror.decision);
-  if (info.mirror.slope_error > 0.0) {
-    fmt::print(" (slope {:+.3f} +- {:.3f} before the decision; negative is right)", info.mirror.slope,
-               info.mirror.slope_error);
+void PrintDataset(const Facts& facts) {
+  fmt::print("kind         dataset\n");
+  fmt::print("dataset      {} sequences, {} frames, fingerprint {}\n", facts.at("sequences").size(),
+             CountIn(facts, "frames"), TextIn(facts, "fingerprint"));
+  PrintSkeleton(facts.at("skeleton"));
+  PrintSource(facts.at("source"));
+  for (const Facts& sequence : facts.at("sequences")) PrintSequence(sequence);
+}
+
+void PrintMirror(const Facts& mirror) {
+  fmt::print("mirror       {}", TextIn(mirror, "decision"));
+  if (IsKnown(mirror, "slope")) {
+    fmt::print(" (slope {:+.3f} +- {:.3f} before the decision; negative is right)", NumberIn(mirror, "slope"),
+               NumberIn(mirror, "slope_error"));
   }
   fmt::print("\n");
-  if (!info.trap.verdict.empty()) {
+}
+
+void PrintModel(const Facts& facts) {
+  fmt::print("kind         {}\n",
+             TextIn(facts, "kind") == "model" ? "model" : "checkpoint of an unfinished or finished training run");
+  fmt::print("made by      canonpose {}\n", TextIn(facts, "program_version"));
+  fmt::print("training     preset {}, network {}, width {}, seed {}, {} steps\n", TextIn(facts, "preset"),
+             TextIn(facts, "network"), CountIn(facts, "width"), facts.at("seed").get<std::uint64_t>(),
+             CountIn(facts, "steps"));
+  PrintMirror(facts.at("mirror"));
+  if (IsKnown(facts, "trap")) {
+    const Facts& trap = facts.at("trap");
     fmt::print("trap         {} (depth {:.2f} of width, views {:.0f} degrees apart, scattered by {:.0f})\n",
-               info.trap.verdict, info.trap.depth_ratio, info.trap.angle_deg, info.trap.scatter_deg);
+               TextIn(trap, "verdict"), NumberIn(trap, "depth_ratio"), NumberIn(trap, "angle_deg"),
+               NumberIn(trap, "scatter_deg"));
   }
-  if (info.morph) fmt::print("morph        2D poses go through a network of width {} first\n", info.morph->info.width);
-  if (info.perspective != 0.0) fmt::print("perspective  {:.3f}\n", info.perspective);
-  for (std::size_t i = 0; i < info.data_files.size(); ++i) {
-    fmt::print("data         {} (fingerprint {})\n", info.data_files[i], info.data_fingerprints[i]);
+  if (IsKnown(facts, "morph")) {
+    fmt::print("morph        2D poses go through a network of width {} first\n", CountIn(facts.at("morph"), "width"));
   }
-  PrintSkeleton(info.skeleton, info.source);
-  fmt::print("options      {}\n", info.options);
+  if (IsKnown(facts, "perspective")) fmt::print("perspective  {:.3f}\n", NumberIn(facts, "perspective"));
+  for (const Facts& data : facts.at("data")) {
+    fmt::print("data         {} (fingerprint {})\n", TextIn(data, "file"), TextIn(data, "fingerprint"));
+  }
+  PrintSkeleton(facts.at("skeleton"));
+  PrintSource(facts.at("source"));
+  fmt::print("options      {}\n", facts.at("options").dump());
 }
 
-void PrintNpz(const fs::path& path) {
-  const NpzReader file(path);
-  for (const std::string& name : file.names()) {
-    const NpyArray array = file.Read(name);
-    const bool is_single_text = array.is_text() && array.shape.empty();
-    fmt::print(
-        "array        {}: {}\n", name,
-        is_single_text ? std::get<std::vector<std::string>>(array.values).front() : h5::FormatShape(array.shape));
+void PrintArrays(const Facts& facts) {
+  fmt::print("kind         NumPy arrays\n");
+  for (const Facts& array : facts.at("arrays")) {
+    fmt::print("array        {}: {}\n", TextIn(array, "name"),
+               IsKnown(array, "text") ? TextIn(array, "text")
+                                      : h5::FormatShape(array.at("shape").get<std::vector<std::size_t>>()));
   }
 }
 
-void RunInfo(const fs::path& path) {
-  fmt::print("file         {}\n", path.string());
-  if (!fs::exists(path)) ThrowBadInput({path.string(), "", "a file", "nothing", "check the path"});
-  if (IsModel(path)) {
-    fmt::print("kind         model\n");
-    return PrintModel(ReadModelInfo(path));
+void RunInfo(const Arguments& arguments) {
+  const Facts facts = FactsOf(arguments.path);
+  if (arguments.json) {
+    std::cout << facts.dump(2, ' ', false, Facts::error_handler_t::replace) << "\n";
+    return;
   }
-  const fs::path checkpoint = fs::is_directory(path) ? path / "checkpoint.h5" : path;
-  if (IsCheckpoint(checkpoint)) {
-    fmt::print("kind         checkpoint of an unfinished or finished training run\n");
-    return PrintModel(ReadCheckpoint(checkpoint).info);
+  fmt::print("file         {}\n", TextIn(facts, "file"));
+  const std::string kind = TextIn(facts, "kind");
+  if (kind == "dataset") {
+    PrintDataset(facts);
+  } else if (kind == "npz") {
+    PrintArrays(facts);
+  } else {
+    PrintModel(facts);
   }
-  if (path.extension() == ".npz") {
-    fmt::print("kind         NumPy arrays\n");
-    return PrintNpz(path);
-  }
-  fmt::print("kind         dataset\n");
-  PrintDataset(ReadDataset(path));
 }
 
 }  // namespace
 
 void AddInfoCommand(CLI::App& app) {
-  auto path = std::make_shared<fs::path>();
-  auto seed = std::make_shared<long>(0);
+  auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("info", "Tell what a file of ours is, holds and came from");
-  command->add_option("file", *path, "A dataset, model, run folder, checkpoint or .npz file")->required();
-  command->add_option("--seed", *seed, "Taken like by every command; nothing here is random");
-  command->callback([path, seed] { RunInfo(*path); });
+  command->add_option("file", arguments->path, "A dataset, model, run folder, checkpoint or .npz file")->required();
+  command->add_flag("--json", arguments->json, "Tell it as JSON, for programs");
+  command->callback([arguments] { RunInfo(*arguments); });
 }
 
 }  // namespace canonpose

@@ -37,7 +37,6 @@ struct Arguments {
   std::optional<double> height_m;
   std::optional<int> smooth_frames;
   std::string device = "cpu";
-  long seed = 0;
 };
 
 /// The 2D poses to lift, and the numbers of their frames.
@@ -161,7 +160,6 @@ void AddLiftCommand(CLI::App& app) {
   command->add_option("--image-size", arguments->image_size,
                       "WxH in pixels of a detector's files, for models trained with ray=root");
   command->add_option("--device", arguments->device, "cpu or cuda (default cpu)");
-  command->add_option("--seed", arguments->seed, "Taken like by every command; lifting has nothing random");
   command->callback([arguments] { RunLift(*arguments); });
 }
 

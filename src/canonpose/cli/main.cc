@@ -1,9 +1,12 @@
 // canonpose COMMAND: the table of commands.
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -11,6 +14,7 @@
 #include "canonpose/base/log.h"
 #include "canonpose/base/version.h"
 #include "canonpose/cli/commands.h"
+#include "canonpose/cli/usage.h"
 
 namespace canonpose {
 namespace {
@@ -43,7 +47,7 @@ int Main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 the computation failed, 130 interrupted.\n"
-      "canonpose COMMAND --help tells more about a command.");
+      "canonpose help COMMAND tells more about a command.");
 
   AddImportCommand(app);
   AddSimulateCommand(app);
@@ -53,15 +57,22 @@ int Main(int argc, char** argv) {
   AddLiftCommand(app);
   AddSolveCommand(app);
   AddInfoCommand(app);
+  AddHelpCommands(app);
 
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> arguments = WithoutHelpWords({argv + std::min(argc, 1), argv + argc});
+    RequireCommand(app, arguments);
+    std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+    app.parse(std::move(arguments));
     return FinishOutput();
   } catch (const CLI::RuntimeError& stop) {
     return stop.get_exit_code();
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    LogInfo("error: {} (canonpose --help and canonpose COMMAND --help tell what there is)", error.what());
+    if (error.get_exit_code() == 0) {  // --help, --version
+      app.exit(error);
+      return FinishOutput();
+    }
+    LogInfo("error: {}", DescribeMistake(app, error));
     return static_cast<int>(ExitCode::kUsage);
   } catch (const Error& error) {
     LogInfo("error: {}", error.what());

@@ -30,22 +30,27 @@ struct Outcome {
   }
 };
 
-inline pid_t Start(const std::vector<std::string>& arguments, const std::filesystem::path& output,
-                   const std::filesystem::path& errors) {
-  const pid_t child = fork();
-  if (child != 0) return child;
+/// Turns this process into the program.
+[[noreturn]] inline void Become(const std::vector<std::string>& arguments) {
   std::vector<char*> pointers;
   std::string program = CANONPOSE_PROGRAM;
   pointers.push_back(program.data());
   std::vector<std::string> copies = arguments;
   for (std::string& argument : copies) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
+  execv(program.c_str(), pointers.data());
+  _exit(127);
+}
+
+inline pid_t Start(const std::vector<std::string>& arguments, const std::filesystem::path& output,
+                   const std::filesystem::path& errors) {
+  const pid_t child = fork();
+  if (child != 0) return child;
   const int out = open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
   const int err = open(errors.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
   dup2(out, STDOUT_FILENO);
   dup2(err, STDERR_FILENO);
-  execv(program.c_str(), pointers.data());
-  _exit(127);
+  Become(arguments);
 }
 
 inline int Wait(pid_t child) {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/names.h"
@@ -51,11 +53,17 @@ std::vector<Protocol> MakeProtocols() {
           InfProtocol(), ski};
 }
 
-std::string PckInWords(const Protocol& protocol) {
-  if (protocol.pck.joints.empty()) return fmt::format("PCK at {:.0f} mm over all joints", protocol.pck.threshold_mm);
+/// Empty where all take part.
+std::vector<std::string> PckJoints(const Protocol& protocol) {
   std::vector<std::string> names;
   for (const std::vector<std::string>& joint : protocol.pck.joints) names.push_back(joint.front());
-  return fmt::format("PCK at {:.0f} mm, and AUC, over {}", protocol.pck.threshold_mm, fmt::join(names, ", "));
+  return names;
+}
+
+std::string PckInWords(const Protocol& protocol) {
+  const std::vector<std::string> joints = PckJoints(protocol);
+  if (joints.empty()) return fmt::format("PCK at {:.0f} mm over all joints", protocol.pck.threshold_mm);
+  return fmt::format("PCK at {:.0f} mm, and AUC, over {}", protocol.pck.threshold_mm, fmt::join(joints, ", "));
 }
 
 }  // namespace
@@ -138,6 +146,23 @@ std::string ProtocolList() {
     text += fmt::format("  headline  {}\n", HeadlineName(protocol));
   }
   return text;
+}
+
+std::string ProtocolListAsJson() {
+  using Json = nlohmann::ordered_json;
+  Json protocols = Json::array();
+  for (const Protocol& protocol : Protocols()) {
+    protocols.push_back({{"name", protocol.name},
+                         {"summary", protocol.summary},
+                         {"poses", PosesInWords(protocol)},
+                         {"truth_kind", protocol.truth_kind.empty() ? Json() : Json(protocol.truth_kind)},
+                         {"pck", {{"threshold_mm", protocol.pck.threshold_mm}, {"joints", PckJoints(protocol)}}},
+                         {"means", WeightingInWords(protocol)},
+                         {"headline", HeadlineKey(protocol)}});
+  }
+  Json list;
+  list["protocols"] = std::move(protocols);
+  return list.dump(2) + "\n";
 }
 
 std::string ActionOf(const Protocol& protocol, const std::string& action) {

@@ -82,6 +82,9 @@ std::string WeightingInWords(const Protocol& protocol);
 
 /// Every protocol with all of its values in words, a paragraph each.
 std::string ProtocolList();
+/// The same for programs: {"protocols": [{name, summary, poses, truth_kind, pck {threshold_mm, joints}, means,
+/// headline}]}, where truth_kind is null for any, joints are empty for all, and headline is the key of its figure.
+std::string ProtocolListAsJson();
 
 /// The action that a pose of action `action` counts for.
 std::string ActionOf(const Protocol& protocol, const std::string& action);

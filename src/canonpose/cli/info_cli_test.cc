@@ -1,0 +1,158 @@
+// `info` as its users and other programs meet it.
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "canonpose/base/testing.h"
+#include "canonpose/cli/program_testing.h"
+#include "canonpose/data/dataset.h"
+#include "canonpose/data/npz.h"
+
+namespace canonpose {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::AllOf;
+using testing::Execute;
+using testing::ExpectBadInput;
+using ::testing::HasSubstr;
+using testing::Outcome;
+using testing::TemporaryFolder;
+using testing::TestData;
+
+json InfoOf(const fs::path& path) {
+  const Outcome outcome = Execute({"info", path, "--json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const json info = json::parse(outcome.output, nullptr, /*allow_exceptions=*/false);
+  EXPECT_TRUE(info.is_object()) << outcome.output;
+  EXPECT_EQ(info.value("file", ""), path);
+  return info;
+}
+
+std::string TextOf(const fs::path& path) { return Execute({"info", path}).output; }
+
+TEST(InfoProgram, TellsAllOfADataset) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "people.h5";
+  ASSERT_EQ(
+      Execute({"simulate", "-o", file, "--subjects", "1", "--clips", "2", "--seconds", "1", "--fps", "10"}).exit_code,
+      0);
+  const json info = InfoOf(file);
+  const Dataset dataset = ReadDataset(file);
+  EXPECT_EQ(info["kind"], "dataset");
+  EXPECT_EQ(info["frames"], 20);
+  EXPECT_EQ(info["skeleton"]["name"].is_null(), dataset.skeleton.name.empty());
+  EXPECT_EQ(info["skeleton"]["joints"], dataset.skeleton.joints);
+  EXPECT_EQ(info["skeleton"]["parents"], dataset.skeleton.parents);
+  EXPECT_EQ(info["skeleton"]["root"], dataset.skeleton.root);
+  EXPECT_EQ(info["source"]["format"], "simulated");
+  ASSERT_EQ(info["sequences"].size(), 2U);
+  const json& sequence = info["sequences"][1];
+  const Sequence& expected = dataset.sequences[1];
+  EXPECT_EQ(sequence["name"], expected.name);
+  EXPECT_EQ(sequence["subject"], expected.subject);
+  EXPECT_EQ(sequence["frames"], 10);
+  EXPECT_EQ(sequence["fps"], 10.0);
+  EXPECT_EQ(sequence["static_cameras"], true);
+  EXPECT_EQ(sequence["capture"], expected.capture);
+  EXPECT_EQ(sequence["actions"], expected.actions);
+  EXPECT_TRUE(sequence["truth_kind"].is_null());
+  ASSERT_EQ(sequence["cameras"].size(), expected.cameras.size());
+  const json& camera = sequence["cameras"][0];
+  EXPECT_EQ(camera["name"], expected.cameras[0].name);
+  EXPECT_EQ(camera["image_size"], expected.cameras[0].image_size);
+  EXPECT_GT(camera["seen_percent"], 50.0);
+  EXPECT_EQ(camera["truth"], true);
+  EXPECT_EQ(camera["solved"], false);
+  EXPECT_EQ(camera["calibrated"], true);
+  EXPECT_THAT(TextOf(file), AllOf(HasSubstr("kind         dataset\n"),
+                                  HasSubstr("fingerprint " + info["fingerprint"].get<std::string>()),
+                                  HasSubstr("sequence     " + expected.name + ": subject " + expected.subject),
+                                  HasSubstr("10 frames at 10/s, static cameras"), HasSubstr(", truth, calibrated\n")));
+}
+
+TEST(InfoProgram, TellsABenchmarksActionsAndKindOfTruth) {
+  const json info = InfoOf(TestData("protocols/3dhp.h5"));
+  EXPECT_EQ(info["sequences"][0]["truth_kind"], "univ_annot3");
+  const json human = InfoOf(TestData("protocols/h36m.h5"));
+  EXPECT_FALSE(human["sequences"][0]["actions"].empty());
+  EXPECT_TRUE(human["sequences"][0]["fps"].is_null() || human["sequences"][0]["fps"] > 0.0);
+}
+
+TEST(InfoProgram, TellsAllOfModelsAndCheckpoints) {
+  const TemporaryFolder folder;
+  const std::string data = folder / "data.h5";
+  const std::string run = folder / "run";
+  ASSERT_EQ(
+      Execute({"simulate", "-o", data, "--subjects", "1", "--clips", "2", "--seconds", "2", "--fps", "10"}).exit_code,
+      0);
+  ASSERT_EQ(Execute({"train", data, "-o", run, "--preset", "paper", "--width", "16", "--epochs", "2", "--seed", "3",
+                     "--threads", "1"})
+                .exit_code,
+            0);
+  const json info = InfoOf(run);
+  EXPECT_EQ(info["kind"], "model");
+  EXPECT_EQ(info["preset"], "paper");
+  EXPECT_EQ(info["network"], "canonical");
+  EXPECT_EQ(info["width"], 16);
+  EXPECT_EQ(info["seed"], 3);
+  EXPECT_GT(info["steps"], 0);
+  EXPECT_FALSE(info["program_version"].get<std::string>().empty());
+  EXPECT_TRUE(info["mirror"]["decision"].is_string());
+  EXPECT_EQ(info["mirror"]["slope"].is_null(), info["mirror"]["slope_error"].is_null());
+  EXPECT_TRUE(info["trap"]["verdict"].is_string());
+  EXPECT_TRUE(info["trap"]["depth_ratio"].is_number());
+  EXPECT_TRUE(info["morph"].is_null());
+  EXPECT_TRUE(info["perspective"].is_null());
+  ASSERT_EQ(info["data"].size(), 1U);
+  EXPECT_EQ(info["data"][0]["file"], "data.h5");
+  EXPECT_EQ(info["data"][0]["fingerprint"], InfoOf(data)["fingerprint"]);
+  EXPECT_EQ(info["skeleton"], InfoOf(data)["skeleton"]);
+  EXPECT_EQ(info["source"], InfoOf(data)["source"]);
+  EXPECT_EQ(info["options"]["epochs"], 2);
+  EXPECT_THAT(TextOf(run),
+              AllOf(HasSubstr("kind         model\n"), HasSubstr("preset paper, network canonical, width 16"),
+                    HasSubstr("mirror       " + info["mirror"]["decision"].get<std::string>()),
+                    HasSubstr("trap         " + info["trap"]["verdict"].get<std::string>()),
+                    HasSubstr("options      {\""), HasSubstr("\"epochs\":2")));
+
+  EXPECT_EQ(InfoOf(fs::path(run) / "model.cpm")["options"], info["options"]);
+  EXPECT_EQ(InfoOf(fs::path(run) / "checkpoint.h5")["kind"], "checkpoint");
+  fs::remove(fs::path(run) / "model.cpm");
+  const json unfinished = InfoOf(run);
+  EXPECT_EQ(unfinished["kind"], "checkpoint");
+  EXPECT_EQ(unfinished["steps"], info["steps"]);
+  EXPECT_TRUE(unfinished["trap"].is_null());
+  EXPECT_THAT(TextOf(run), HasSubstr("kind         checkpoint of an unfinished or finished training run\n"));
+}
+
+TEST(InfoProgram, TellsTheArraysOfAnArchive) {
+  const TemporaryFolder folder;
+  NpzWriter writer(folder / "poses.npz");
+  writer.Add("pose3d", std::vector<float>(12), {2, 2, 3});
+  writer.AddString("units", "mm");
+  writer.Commit();
+  const json info = InfoOf(folder / "poses.npz");
+  EXPECT_EQ(info["kind"], "npz");
+  const json expected = {{{"name", "pose3d"}, {"shape", {2, 2, 3}}, {"text", nullptr}},
+                         {{"name", "units"}, {"shape", json::array()}, {"text", "mm"}}};
+  EXPECT_EQ(info["arrays"], expected);
+  EXPECT_THAT(TextOf(folder / "poses.npz"),
+              AllOf(HasSubstr("array        pose3d: (2, 2, 3)\n"), HasSubstr("array        units: mm\n")));
+}
+
+TEST(InfoProgram, TellsNothingOfWhatItCannotRead) {
+  const TemporaryFolder folder;
+  ExpectBadInput({"info", folder / "none", "--json"}, HasSubstr("none"));
+  WriteFileAtomically(folder / "text.h5", "no dataset");
+  const Outcome outcome = Execute({"info", folder / "text.h5", "--json"});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_EQ(outcome.output, "");
+}
+
+}  // namespace
+}  // namespace canonpose

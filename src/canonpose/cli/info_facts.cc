@@ -1,0 +1,158 @@
+#include "canonpose/cli/info_facts.h"
+
+#include <algorithm>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "canonpose/base/error.h"
+#include "canonpose/data/dataset.h"
+#include "canonpose/data/npz.h"
+#include "canonpose/model/model_file.h"
+#include "canonpose/train/checkpoint.h"
+
+namespace canonpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Null for the value that stands for none.
+template <typename Value>
+Facts UnlessNone(const Value& value, const Value& none = {}) {
+  return value == none ? Facts() : Facts(value);
+}
+
+Facts SkeletonFacts(const Skeleton& skeleton) {
+  return {{"name", UnlessNone(skeleton.name)},
+          {"joints", skeleton.joints},
+          {"parents", skeleton.parents},
+          {"root", skeleton.root}};
+}
+
+Facts SourceFacts(const DatasetSource& source) {
+  if (source.format.empty()) return nullptr;
+  return {{"format", source.format},
+          {"layout", UnlessNone(source.layout)},
+          {"confidence_scale", source.confidence_scale},
+          {"mapping", source.mapping}};
+}
+
+/// Share of joints seen, in percent.
+double SeenPercent(const CameraView& view) {
+  if (view.confidence.empty()) return 0.0;
+  const auto seen = std::count_if(view.confidence.begin(), view.confidence.end(), [](float c) { return c > 0.0F; });
+  return 100.0 * static_cast<double>(seen) / static_cast<double>(view.confidence.size());
+}
+
+Facts CameraFacts(const CameraView& view) {
+  return {{"name", view.name},
+          {"image_size", view.image_size},
+          {"seen_percent", SeenPercent(view)},
+          {"truth", !view.truth.empty()},
+          {"solved", !view.solved.empty()},
+          {"calibrated", !view.calibration.empty()}};
+}
+
+Facts SequenceFacts(const Sequence& sequence) {
+  Facts cameras = Facts::array();
+  for (const CameraView& view : sequence.cameras) cameras.push_back(CameraFacts(view));
+  return {{"name", sequence.name},
+          {"subject", sequence.subject},
+          {"frames", sequence.frame_count},
+          {"fps", UnlessNone(sequence.fps)},
+          {"static_cameras", sequence.static_cameras},
+          {"capture", sequence.capture},
+          {"actions", sequence.actions},
+          {"truth_kind", UnlessNone(sequence.truth_kind)},
+          {"cameras", std::move(cameras)}};
+}
+
+void AddDataset(const Dataset& dataset, Facts& facts) {
+  std::size_t frames = 0;
+  Facts sequences = Facts::array();
+  for (const Sequence& sequence : dataset.sequences) {
+    frames += static_cast<std::size_t>(sequence.frame_count);
+    sequences.push_back(SequenceFacts(sequence));
+  }
+  facts["frames"] = frames;
+  facts["fingerprint"] = fmt::format("{:016x}", dataset.Fingerprint());
+  facts["skeleton"] = SkeletonFacts(dataset.skeleton);
+  facts["source"] = SourceFacts(dataset.source);
+  facts["sequences"] = std::move(sequences);
+}
+
+Facts MirrorFacts(const MirrorDecision& mirror) {
+  const bool is_measured = mirror.slope_error > 0.0;
+  return {{"decision", mirror.decision},
+          {"slope", is_measured ? Facts(mirror.slope) : Facts()},
+          {"slope_error", is_measured ? Facts(mirror.slope_error) : Facts()}};
+}
+
+Facts TrapFacts(const TrapFinding& trap) {
+  if (trap.verdict.empty()) return nullptr;
+  return {{"verdict", trap.verdict},
+          {"depth_ratio", trap.depth_ratio},
+          {"angle_deg", trap.angle_deg},
+          {"scatter_deg", trap.scatter_deg}};
+}
+
+void AddModel(const ModelInfo& info, const fs::path& path, Facts& facts) {
+  facts["program_version"] = info.program_version;
+  facts["preset"] = info.preset;
+  facts["network"] = info.network;
+  facts["width"] = info.width;
+  facts["seed"] = info.seed;
+  facts["steps"] = info.steps;
+  facts["mirror"] = MirrorFacts(info.mirror);
+  facts["trap"] = TrapFacts(info.trap);
+  facts["morph"] = info.morph ? Facts{{"width", info.morph->info.width}} : Facts();
+  facts["perspective"] = UnlessNone(info.perspective);
+  facts["data"] = Facts::array();
+  for (std::size_t i = 0; i < info.data_files.size(); ++i) {
+    facts["data"].push_back({{"file", info.data_files[i]}, {"fingerprint", info.data_fingerprints[i]}});
+  }
+  facts["skeleton"] = SkeletonFacts(info.skeleton);
+  facts["source"] = SourceFacts(info.source);
+  facts["options"] = Facts::parse(info.options, nullptr, /*allow_exceptions=*/false);
+  if (facts["options"].is_discarded()) {
+    ThrowBadInput({path.string(), "attribute options", "the options of training as JSON", "damaged text",
+                   "restore the file or train again"});
+  }
+}
+
+void AddArrays(const fs::path& path, Facts& facts) {
+  const NpzReader file(path);
+  facts["arrays"] = Facts::array();
+  for (const std::string& name : file.names()) {
+    const NpyArray array = file.Read(name);
+    const bool is_single_text = array.is_text() && array.shape.empty();
+    facts["arrays"].push_back(
+        {{"name", name},
+         {"shape", array.shape},
+         {"text", is_single_text ? Facts(std::get<std::vector<std::string>>(array.values).front()) : Facts()}});
+  }
+}
+
+}  // namespace
+
+Facts FactsOf(const fs::path& path) {
+  if (!fs::exists(path)) ThrowBadInput({path.string(), "", "a file", "nothing", "check the path"});
+  Facts facts = {{"file", path.string()}, {"kind", ""}};
+  const fs::path checkpoint = fs::is_directory(path) ? path / "checkpoint.h5" : path;
+  if (IsModel(path)) {
+    facts["kind"] = "model";
+    AddModel(ReadModelInfo(path), path, facts);
+  } else if (IsCheckpoint(checkpoint)) {
+    facts["kind"] = "checkpoint";
+    AddModel(ReadCheckpoint(checkpoint).info, checkpoint, facts);
+  } else if (path.extension() == ".npz") {
+    facts["kind"] = "npz";
+    AddArrays(path, facts);
+  } else {
+    facts["kind"] = "dataset";
+    AddDataset(ReadDataset(path), facts);
+  }
+  return facts;
+}
+
+}  // namespace canonpose

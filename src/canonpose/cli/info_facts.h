@@ -1,0 +1,28 @@
+// What any of our files is, holds and came from, as JSON: all that `info` tells, in words or as it stands.
+//
+//   of all files  file, kind: dataset, model, checkpoint or npz
+//   dataset       frames, fingerprint, skeleton, source, sequences [{name, subject, frames, fps, static_cameras,
+//                 capture, actions, truth_kind, cameras [{name, image_size, seen_percent, truth, solved,
+//                 calibrated}]}]
+//   model and     program_version, preset, network, width, seed, steps, mirror {decision, slope, slope_error}, trap
+//   checkpoint    {verdict, depth_ratio, angle_deg, scatter_deg}, morph {width}, perspective, data [{file,
+//                 fingerprint}], skeleton, source, options {...}
+//   npz           arrays [{name, shape, text}]
+//
+// with skeleton {name, joints, parents, root} (indices) and source {format, layout, confidence_scale, mapping}. What is
+// not known or does not apply is null.
+#pragma once
+
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+namespace canonpose {
+
+using Facts = nlohmann::ordered_json;
+
+/// `path` is a file, or the folder of a training run, finished or not. Throws Error(kBadInput) where there is none, or
+/// it is damaged or of another kind.
+Facts FactsOf(const std::filesystem::path& path);
+
+}  // namespace canonpose

@@ -1,0 +1,97 @@
+#include "canonpose/cli/usage.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "canonpose/base/error.h"
+#include "canonpose/base/nearest_name.h"
+
+namespace canonpose {
+namespace {
+
+bool IsOption(const std::string& argument) { return argument.starts_with('-'); }
+
+std::vector<std::string> CommandNames(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
+
+/// Without their dashes.
+std::vector<std::string> OptionNames(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    const std::vector<std::string>& long_names = option->get_lnames();
+    names.insert(names.end(), long_names.begin(), long_names.end());
+  }
+  return names;
+}
+
+/// The first argument that looks like an option and is none.
+std::optional<std::string> UnknownOption(const CLI::App& command) {
+  const std::vector<std::string> left = command.remaining();
+  const auto found = std::find_if(left.begin(), left.end(), IsOption);
+  if (found == left.end()) return std::nullopt;
+  return found->substr(0, found->find('='));
+}
+
+/// The command that was given, or the program itself.
+const CLI::App& Given(const CLI::App& app) {
+  const std::vector<CLI::App*> commands = app.get_subcommands();
+  return commands.empty() ? app : *commands.front();
+}
+
+std::string HelpOf(const CLI::App& app, const CLI::App& command) {
+  return &command == &app ? "canonpose help" : fmt::format("canonpose help {}", command.get_name());
+}
+
+}  // namespace
+
+void AddHelpCommands(CLI::App& app) {
+  auto command = std::make_shared<std::string>();
+  app.add_subcommand("help", "Tell what there is, or all about a command")
+      ->add_option("command", *command, "The command to tell about");
+  app.add_subcommand("version", "Tell the program's version");
+}
+
+std::vector<std::string> WithoutHelpWords(const std::vector<std::string>& arguments) {
+  if (arguments.empty()) return arguments;
+  if (arguments.front() == "version") return {"--version"};
+  if (arguments.front() != "help") return arguments;
+  std::vector<std::string> options(arguments.begin() + 1, arguments.end());
+  options.emplace_back("--help");
+  return options;
+}
+
+void RequireCommand(const CLI::App& app, const std::vector<std::string>& arguments) {
+  const std::vector<std::string> names = CommandNames(app);
+  if (arguments.empty()) {
+    ThrowUsage("a command is missing; there are {} (canonpose help tells what they do)", fmt::join(names, ", "));
+  }
+  const std::string& word = arguments.front();
+  if (IsOption(word) || std::find(names.begin(), names.end(), word) != names.end()) return;
+  if (const std::optional<std::string> nearest = NearestName(word, names)) {
+    ThrowUsage("there is no command \"{}\"; did you mean {}? (canonpose help lists them)", word, *nearest);
+  }
+  ThrowUsage("there is no command \"{}\"; there are {} (canonpose help tells what they do)", word,
+             fmt::join(names, ", "));
+}
+
+std::string DescribeMistake(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App& command = Given(app);
+  const std::string help = HelpOf(app, command);
+  const std::optional<std::string> unknown = UnknownOption(command);
+  if (!unknown) return fmt::format("{} ({} tells what there is)", error.what(), help);
+  const std::string word = unknown->substr(std::min(unknown->find_first_not_of('-'), unknown->size()));
+  const std::optional<std::string> nearest = NearestName(word, OptionNames(command));
+  return fmt::format("{} has no option {}{} ({} tells what there is)", command.get_name(), *unknown,
+                     nearest ? fmt::format("; did you mean --{}?", *nearest) : "", help);
+}
+
+}  // namespace canonpose

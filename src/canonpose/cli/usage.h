@@ -1,0 +1,24 @@
+// The command line before and after CLI11: words that stand for options, and what is said of a wrong one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace canonpose {
+
+/// Adds the commands `help` and `version` to the list of commands; WithoutHelpWords() does their work.
+void AddHelpCommands(CLI::App& app);
+
+/// "help", "help COMMAND" and "version" as the options that do the same.
+std::vector<std::string> WithoutHelpWords(const std::vector<std::string>& arguments);
+
+/// Throws Error(kUsage) where the first of `arguments` is no command, or there is none.
+void RequireCommand(const CLI::App& app, const std::vector<std::string>& arguments);
+
+/// What is wrong with the command line, in one line. An unknown option comes before what `error` says, which is often
+/// its consequence.
+std::string DescribeMistake(const CLI::App& app, const CLI::ParseError& error);
+
+}  // namespace canonpose

@@ -1,0 +1,76 @@
+// The command line as its users meet it: help, and what is said of mistakes.
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "canonpose/cli/program_testing.h"
+
+namespace canonpose {
+namespace {
+
+using ::testing::AllOf;
+using testing::Execute;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::Outcome;
+
+/// Exit code 2 and one line that says so much.
+void ExpectMistake(const std::vector<std::string>& arguments, const ::testing::Matcher<std::string>& matcher) {
+  const Outcome outcome = Execute(arguments);
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.errors;
+  EXPECT_EQ(outcome.errors, outcome.message() + "\n");
+  EXPECT_THAT(outcome.message(), matcher);
+}
+
+TEST(Usage, HelpAndVersionAreCommandsToo) {
+  const Outcome help = Execute({"help"});
+  EXPECT_EQ(help.exit_code, 0) << help.errors;
+  EXPECT_EQ(help.output, Execute({"--help"}).output);
+  const Outcome version = Execute({"version"});
+  EXPECT_EQ(version.exit_code, 0) << version.errors;
+  EXPECT_EQ(version.output, Execute({"--version"}).output);
+  for (const std::string command :
+       {"import", "simulate", "train", "train-morph", "evaluate", "solve", "lift", "info"}) {
+    EXPECT_THAT(help.output, HasSubstr(command));
+    const Outcome told = Execute({"help", command});
+    EXPECT_EQ(told.exit_code, 0) << command << told.errors;
+    EXPECT_THAT(told.output, HasSubstr("canonpose " + command));
+    EXPECT_EQ(told.output, Execute({command, "--help"}).output);
+  }
+  EXPECT_EQ(Execute({"help", "help"}).exit_code, 0);
+}
+
+TEST(Usage, AnUnknownCommandIsNamedWithTheNearest) {
+  ExpectMistake({"imprt"}, "error: there is no command \"imprt\"; did you mean import? (canonpose help lists them)");
+  ExpectMistake({"evaluate-all"}, AllOf(HasSubstr("\"evaluate-all\""), HasSubstr("did you mean evaluate?")));
+  ExpectMistake({"help", "trian"}, AllOf(HasSubstr("\"trian\""), HasSubstr("did you mean train?")));
+  ExpectMistake({"fly", "--high"},
+                AllOf(HasSubstr("\"fly\""), HasSubstr("there are import, simulate, train"), Not(HasSubstr("mean"))));
+  ExpectMistake({}, AllOf(HasSubstr("a command is missing"), HasSubstr("info")));
+}
+
+TEST(Usage, AnUnknownOptionIsNamedWithTheNearest) {
+  ExpectMistake(
+      {"train", "data.h5", "--ouput", "run"},
+      "error: train has no option --ouput; did you mean --output? (canonpose help train tells what there is)");
+  ExpectMistake({"info", "data.h5", "--jsn=1"},
+                AllOf(HasSubstr("no option --jsn;"), HasSubstr("did you mean --json?")));
+  ExpectMistake({"info", "data.h5", "--wholly-unlike"}, AllOf(HasSubstr("--wholly-unlike ("), Not(HasSubstr("mean"))));
+  ExpectMistake({"--versoin"}, AllOf(HasSubstr("--versoin"), HasSubstr("did you mean --version?")));
+  ExpectMistake({"info"}, AllOf(HasSubstr("file is required"), HasSubstr("canonpose help info")));
+}
+
+TEST(Usage, ASeedIsForWhereChancePlays) {
+  for (const std::string command : {"simulate", "solve", "train", "train-morph"}) {
+    EXPECT_THAT(Execute({command, "--help"}).output, HasSubstr("--seed")) << command;
+  }
+  for (const std::string command : {"evaluate", "import", "info", "lift"}) {
+    EXPECT_THAT(Execute({command, "--help"}).output, Not(HasSubstr("--seed"))) << command;
+    ExpectMistake({command, "--seed", "1"}, HasSubstr(command + " has no option --seed"));
+  }
+}
+
+}  // namespace
+}  // namespace canonpose

@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct EvaluateArguments {
   std::vector<fs::path> paths;  ///< a model and datasets, or solved datasets
   fs::path predictions;
   fs::path truth;
@@ -51,7 +51,7 @@ Predictor ModelPoses(const PoseLifter& lifter) {
           }};
 }
 
-DatasetEvaluation Job(const Arguments& arguments, FrameErrors* frame_errors) {
+DatasetEvaluation Job(const EvaluateArguments& arguments, FrameErrors* frame_errors) {
   DatasetEvaluation job;
   job.files = arguments.paths;
   job.protocol = FindProtocol(arguments.protocol);
@@ -62,7 +62,7 @@ DatasetEvaluation Job(const Arguments& arguments, FrameErrors* frame_errors) {
   return job;
 }
 
-EvaluationReport EvaluateArchivePair(const Arguments& arguments, FrameErrors* frame_errors) {
+EvaluationReport EvaluateArchivePair(const EvaluateArguments& arguments, FrameErrors* frame_errors) {
   if (arguments.predictions.empty() || arguments.truth.empty()) ThrowUsage("--predictions and --truth go together");
   if (!arguments.paths.empty()) ThrowUsage("give either --predictions and --truth, or a model and data");
   if (arguments.triangulate) ThrowUsage("--triangulate is for datasets");
@@ -77,7 +77,7 @@ EvaluationReport EvaluateArchivePair(const Arguments& arguments, FrameErrors* fr
                           {arguments.root, arguments.left_out, frames, frame_errors});
 }
 
-EvaluationReport EvaluatePaths(const Arguments& arguments, FrameErrors* frame_errors) {
+EvaluationReport EvaluatePaths(const EvaluateArguments& arguments, FrameErrors* frame_errors) {
   if (arguments.paths.empty()) {
     ThrowUsage("give a model and datasets, or a solved dataset, or --predictions and --truth");
   }
@@ -109,7 +109,7 @@ EvaluationReport EvaluatePaths(const Arguments& arguments, FrameErrors* frame_er
   return EvaluateDatasets(job, ModelPoses(lifter));
 }
 
-void RunEvaluate(const Arguments& arguments) {
+void RunEvaluate(const EvaluateArguments& arguments) {
   if (arguments.list_protocols) {
     if (!arguments.json.empty()) WriteFileAtomically(arguments.json, ProtocolListAsJson());
     std::cout << ProtocolList() << std::flush;
@@ -135,7 +135,7 @@ std::string ProtocolHelp() {
 }  // namespace
 
 void AddEvaluateCommand(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<EvaluateArguments>();
   CLI::App* command = app.add_subcommand(
       "evaluate", "Measure a model, predictions or solved poses against truth, or against a calibrated triangulation");
   command->add_option("paths", arguments->paths, "A run or model file and then datasets; or solved datasets alone");

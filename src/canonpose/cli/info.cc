@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using Texts = std::vector<std::string>;
 
-struct Arguments {
+struct InfoArguments {
   fs::path path;
   bool json = false;
 };
@@ -120,7 +120,7 @@ void PrintArrays(const Facts& facts) {
   }
 }
 
-void RunInfo(const Arguments& arguments) {
+void RunInfo(const InfoArguments& arguments) {
   const Facts facts = FactsOf(arguments.path);
   if (arguments.json) {
     std::cout << facts.dump(2, ' ', false, Facts::error_handler_t::replace) << "\n";
@@ -140,7 +140,7 @@ void RunInfo(const Arguments& arguments) {
 }  // namespace
 
 void AddInfoCommand(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<InfoArguments>();
   CLI::App* command = app.add_subcommand("info", "Tell what a file of ours is, holds and came from");
   command->add_option("file", arguments->path, "A dataset, model, run folder, checkpoint or .npz file")->required();
   command->add_flag("--json", arguments->json, "Tell it as JSON, for programs");

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct LiftArguments {
   fs::path model;
   fs::path input;
   fs::path output;
@@ -58,7 +58,7 @@ const Element& Choose(const std::vector<Element>& elements, const std::string& n
   ThrowBadInput({file, "", name.empty() ? "one " + option : option + " " + name, names, "choose one with --" + option});
 }
 
-LiftInput FromDataset(const Arguments& arguments, const PoseLifter& lifter) {
+LiftInput FromDataset(const LiftArguments& arguments, const PoseLifter& lifter) {
   Dataset dataset = ReadDataset(arguments.input);
   lifter.RequireSkeleton(dataset.skeleton, arguments.input.string());
   const FrameRange range = arguments.frames.empty() ? FrameRange{} : FrameRange::Parse(arguments.frames);
@@ -70,7 +70,7 @@ LiftInput FromDataset(const Arguments& arguments, const PoseLifter& lifter) {
   return input;
 }
 
-LiftInput FromDetections(const Arguments& arguments, const PoseLifter& lifter) {
+LiftInput FromDetections(const LiftArguments& arguments, const PoseLifter& lifter) {
   const DatasetSource& source = lifter.info().source;
   SingleCameraOptions options;
   options.format = arguments.format;
@@ -86,7 +86,7 @@ LiftInput FromDetections(const Arguments& arguments, const PoseLifter& lifter) {
 }
 
 /// Options that would be ignored are a misunderstanding.
-void RefuseMisplacedOptions(const Arguments& arguments, bool is_dataset) {
+void RefuseMisplacedOptions(const LiftArguments& arguments, bool is_dataset) {
   const auto refuse = [&](bool given, const char* option) {
     if (given)
       ThrowUsage("{} is for {}, and {} is not one", option, is_dataset ? "a detector's files" : "datasets",
@@ -100,7 +100,7 @@ void RefuseMisplacedOptions(const Arguments& arguments, bool is_dataset) {
   refuse(is_dataset && arguments.person != 1, "--person");
 }
 
-void RunLift(const Arguments& arguments) {
+void RunLift(const LiftArguments& arguments) {
   RequireLiftFormat(arguments.output);
   if (arguments.height_m && !(*arguments.height_m > 0.0 && *arguments.height_m < 10.0)) {
     ThrowUsage("--height: expected the person's height in metres, such as 1.75, found {}", *arguments.height_m);
@@ -140,7 +140,7 @@ void RunLift(const Arguments& arguments) {
 }  // namespace
 
 void AddLiftCommand(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<LiftArguments>();
   CLI::App* command = app.add_subcommand("lift", "Lift the 2D poses of a single camera to 3D");
   command->add_option("model", arguments->model, "A model file, or the folder of a finished run")->required();
   command->add_option("input", arguments->input, "A dataset, or a detector's files of one camera")->required();

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct SimulateArguments {
   SimulationOptions options;
   fs::path output;
   fs::path openpose;
@@ -39,7 +39,7 @@ struct Arguments {
 /// What goes beside the dataset: the clips as files of other programs, in folders that appear when all is done.
 class OtherFormats {
  public:
-  explicit OtherFormats(const Arguments& arguments) {
+  explicit OtherFormats(const SimulateArguments& arguments) {
     if (!arguments.openpose.empty()) openpose_.emplace(arguments.openpose);
     if (!arguments.alphapose.empty()) alphapose_.emplace(arguments.alphapose);
     if (!arguments.bvh.empty()) bvh_.emplace(arguments.bvh);
@@ -116,7 +116,7 @@ class VisibilityCheck {
   int hidden_ = 0;
 };
 
-SimulationOptions ResolveOptions(const Arguments& arguments) {
+SimulationOptions ResolveOptions(const SimulateArguments& arguments) {
   SimulationOptions options = arguments.options;
   if (options.layout.empty() && (!arguments.openpose.empty() || !arguments.alphapose.empty())) {
     options.layout = "body_25b";
@@ -126,7 +126,7 @@ SimulationOptions ResolveOptions(const Arguments& arguments) {
   return options;
 }
 
-void RunSimulate(const Arguments& arguments) {
+void RunSimulate(const SimulateArguments& arguments) {
   if (arguments.output.empty() && !arguments.describe) ThrowUsage("-o: say where the dataset goes, or --describe");
   if (arguments.threads < 0) {
     throw Error(ExitCode::kBadInput, fmt::format("--threads: expected 0 or more, found {}", arguments.threads));
@@ -166,7 +166,7 @@ void RunSimulate(const Arguments& arguments) {
   if (arguments.describe) fmt::print("{}", statistics.Describe());
 }
 
-void AddMotionOptions(CLI::App& command, Arguments& arguments) {
+void AddMotionOptions(CLI::App& command, SimulateArguments& arguments) {
   SimulationOptions& options = arguments.options;
   command.add_option("motion", options.motion_files,
                      "Motion capture: .amc (with its .asf beside it) and .bvh files, or folders of them. Without any, "
@@ -192,7 +192,7 @@ void AddRigOptions(CLI::App& command, RigOptions& rig) {
   command.add_option("--distortion", rig.distortion, "Of the lenses: 0 none, 1 a usual sports camera's (default 0)");
 }
 
-void AddDetectorOptions(CLI::App& command, Arguments& arguments) {
+void AddDetectorOptions(CLI::App& command, SimulateArguments& arguments) {
   DetectorOptions& detector = arguments.options.detector;
   command.add_option("--noise", detector.noise, "All of the detector's errors: 0 exact, 1 a modern one (default 1)");
   command.add_option("--joint-offset", detector.joint_offset,
@@ -218,7 +218,7 @@ void AddDetectorOptions(CLI::App& command, Arguments& arguments) {
 }  // namespace
 
 void AddSimulateCommand(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<SimulateArguments>();
   CLI::App* command = app.add_subcommand(
       "simulate", "Make a dataset with known truth: motion, virtual cameras and a detector's errors");
   command->add_option("-o,--output", arguments->output, "Where to write the dataset");

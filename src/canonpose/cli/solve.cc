@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct SolveArguments {
   fs::path data;
   fs::path output;
   fs::path json;
@@ -26,7 +26,7 @@ struct Arguments {
   SolveOptions options;
 };
 
-void RunSolve(const Arguments& arguments) {
+void RunSolve(const SolveArguments& arguments) {
   arguments.options.Validate();
   Dataset dataset = ReadDataset(arguments.data);
   if (!arguments.frames.empty()) KeepFrames(dataset, FrameRange::Parse(arguments.frames), arguments.data.string());
@@ -42,7 +42,7 @@ void RunSolve(const Arguments& arguments) {
 }  // namespace
 
 void AddSolveCommand(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<SolveArguments>();
   CLI::App* command =
       app.add_subcommand("solve", "Find the 3D poses and the cameras of a recording from its keypoints alone");
   command->add_option("data", arguments->data, "Dataset file made by import")->required();

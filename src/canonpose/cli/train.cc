@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// What was given on the command line; what was not keeps the preset's value.
-struct Arguments {
+struct TrainArguments {
   std::vector<fs::path> data;
   fs::path run_folder;
   std::string frames;
@@ -40,7 +40,7 @@ struct Arguments {
   std::vector<std::string> settings;
 };
 
-void Apply(const Arguments& arguments, TrainOptions& options) {
+void Apply(const TrainArguments& arguments, TrainOptions& options) {
   for (const auto& [name, value] : arguments.named) options.Set(name, value);
   for (const std::string& setting : arguments.settings) {
     const std::size_t equals = setting.find('=');
@@ -50,7 +50,7 @@ void Apply(const Arguments& arguments, TrainOptions& options) {
 }
 
 /// A resumed run keeps the options it was started with; what is given again must agree with them.
-TrainOptions ResolveOptions(const Arguments& arguments) {
+TrainOptions ResolveOptions(const TrainArguments& arguments) {
   std::optional<TrainOptions> recorded;
   if (arguments.resume) recorded = RecordedOptions(arguments.run_folder);
   TrainOptions options = PresetOptions(arguments.preset.empty() ? "plus" : arguments.preset);
@@ -80,7 +80,7 @@ void RequireDifferentFiles(const std::vector<fs::path>& files) {
   }
 }
 
-void RunTrain(const Arguments& arguments) {
+void RunTrain(const TrainArguments& arguments) {
   RequireDifferentFiles(arguments.data);
   TrainJob job;
   job.options = ResolveOptions(arguments);
@@ -116,7 +116,7 @@ void RunTrain(const Arguments& arguments) {
 }  // namespace
 
 void AddTrainCommand(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<TrainArguments>();
   CLI::App* command = app.add_subcommand("train", "Train a lifter on datasets, without labels or calibration");
   command->add_option("data", arguments->data, "Dataset files made by import")->required();
   command->add_option("-o,--output", arguments->run_folder, "Folder for the model, checkpoints and logs")->required();

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct TrainMorphArguments {
   std::vector<fs::path> detected;
   std::vector<fs::path> exact;
   fs::path run_folder;
@@ -28,7 +28,7 @@ struct Arguments {
   bool overwrite = false;
 };
 
-MorphJob MakeJob(const Arguments& arguments) {
+MorphJob MakeJob(const TrainMorphArguments& arguments) {
   if (!arguments.exact.empty() && arguments.exact.size() != arguments.detected.size()) {
     ThrowUsage("--exact: give one file for each of the {} datasets, found {}", arguments.detected.size(),
                arguments.exact.size());
@@ -63,7 +63,7 @@ MorphJob MakeJob(const Arguments& arguments) {
   return job;
 }
 
-void RunTrainMorph(const Arguments& arguments) {
+void RunTrainMorph(const TrainMorphArguments& arguments) {
   const MorphJob job = MakeJob(arguments);
   LogInfo("{} pairs of detected and true 2D poses", job.pairs.count());
   const MorphReport report = TrainMorph(job);
@@ -83,7 +83,7 @@ void RunTrainMorph(const Arguments& arguments) {
 }  // namespace
 
 void AddTrainMorphCommand(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<TrainMorphArguments>();
   MorphOptions& options = arguments->options;
   CLI::App* command = app.add_subcommand(
       "train-morph", "Train a network that moves a detector's 2D joints to where another skeleton has them");

@@ -54,14 +54,14 @@ std::vector<Protocol> MakeProtocols() {
 }
 
 /// Empty where all take part.
-std::vector<std::string> PckJoints(const Protocol& protocol) {
+std::vector<std::string> PckJointNames(const Protocol& protocol) {
   std::vector<std::string> names;
   for (const std::vector<std::string>& joint : protocol.pck.joints) names.push_back(joint.front());
   return names;
 }
 
 std::string PckInWords(const Protocol& protocol) {
-  const std::vector<std::string> joints = PckJoints(protocol);
+  const std::vector<std::string> joints = PckJointNames(protocol);
   if (joints.empty()) return fmt::format("PCK at {:.0f} mm over all joints", protocol.pck.threshold_mm);
   return fmt::format("PCK at {:.0f} mm, and AUC, over {}", protocol.pck.threshold_mm, fmt::join(joints, ", "));
 }
@@ -156,7 +156,7 @@ std::string ProtocolListAsJson() {
                          {"summary", protocol.summary},
                          {"poses", PosesInWords(protocol)},
                          {"truth_kind", protocol.truth_kind.empty() ? Json() : Json(protocol.truth_kind)},
-                         {"pck", {{"threshold_mm", protocol.pck.threshold_mm}, {"joints", PckJoints(protocol)}}},
+                         {"pck", {{"threshold_mm", protocol.pck.threshold_mm}, {"joints", PckJointNames(protocol)}}},
                          {"means", WeightingInWords(protocol)},
                          {"headline", HeadlineKey(protocol)}});
   }

@@ -57,6 +57,8 @@ function(canonpose_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;TORCH_SOURCES;LINKS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE canonpose_options ${ARG_LINKS} GTest::gmock_main)
+  # Tests may use the same name for their own fixtures.
+  set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
   set(targets ${name})
   if(ARG_TORCH_SOURCES)
     canonpose_torch_objects(${name}_torch SOURCES ${ARG_TORCH_SOURCES} LINKS ${ARG_LINKS} GTest::gmock)

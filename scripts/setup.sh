@@ -41,10 +41,20 @@ install_packages() {
   rm -f "$log"
 }
 
+# forget_other_place PRESET: removes the build of a source folder that has been moved or copied since, which CMake refuses to continue.
+forget_other_place() {
+  local folder=build
+  [ "$1" = release ] || folder=build-$1
+  local home
+  home=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$folder/CMakeCache.txt" 2>/dev/null) || return 0
+  [ -z "$home" ] || [ "$home" = "$PWD" ] || rm -rf "$folder"
+}
+
 # build PRESET TARGET...: configures and builds; shows a line of progress on a terminal and everything on failure.
 build() {
   local preset=$1
   shift
+  forget_other_place "$preset"
   local log
   log=$(mktemp)
   if ! cmake --preset "$preset" >"$log" 2>&1; then

@@ -20,8 +20,8 @@ struct BootstrapOptions {
   std::string device = "cpu";
 };
 
-/// The poses that a lifter sees in each view of the dataset: the lifter named by the options, or a starter that was
-/// trained on simulated people (taken from the cache, or trained now). For other bodies than people's the poses are
+/// The poses that a lifter sees in each view of the dataset: the lifter named by the options, or the starter that
+/// comes with the program. For other bodies than people's the poses are
 /// those of a factorisation where all cameras stand still, otherwise of a lifter trained now on the dataset itself by
 /// the method. `file` is the dataset's name for messages. Throws Error.
 StartPoses Bootstrap(const Dataset& dataset, const std::string& file, const BootstrapOptions& options);

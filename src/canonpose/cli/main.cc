@@ -15,6 +15,7 @@
 #include "canonpose/base/version.h"
 #include "canonpose/cli/commands.h"
 #include "canonpose/cli/usage.h"
+#include "canonpose/model/runtime.h"
 
 namespace canonpose {
 namespace {
@@ -49,6 +50,7 @@ int Main(int argc, char** argv) {
       "Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 the computation failed, 130 interrupted.\n"
       "canonpose help COMMAND tells more about a command.");
 
+  SetThreadCount(0);  // lift and evaluate; train sets its own
   AddImportCommand(app);
   AddSimulateCommand(app);
   AddTrainCommand(app);

@@ -233,7 +233,7 @@ void AddSimulateCommand(CLI::App& app) {
   command->add_flag("--describe", arguments->describe, "Print what the detector's errors are like");
   command->add_option("--detector-seed", arguments->options.detector_seed,
                       "Of the systematic offset: the same detector in other captures (default: --seed)");
-  command->add_option("--threads", arguments->threads, "Number of threads (default: all)");
+  command->add_option("--threads", arguments->threads, "Number of threads (default: all cores)");
   command
       ->add_option("--seed", arguments->options.seed,
                    "Of people, motion, cameras and errors; another seed is another capture (default 0)")

@@ -53,7 +53,7 @@ void Apply(const TrainArguments& arguments, TrainOptions& options) {
 TrainOptions ResolveOptions(const TrainArguments& arguments) {
   std::optional<TrainOptions> recorded;
   if (arguments.resume) recorded = RecordedOptions(arguments.run_folder);
-  TrainOptions options = PresetOptions(arguments.preset.empty() ? "plus" : arguments.preset);
+  TrainOptions options = PresetOptions(arguments.preset.empty() ? "best" : arguments.preset);
   if (recorded) {
     options = *recorded;
     if (!arguments.preset.empty()) options.preset = arguments.preset;
@@ -120,7 +120,7 @@ void AddTrainCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("train", "Train a lifter on datasets, without labels or calibration");
   command->add_option("data", arguments->data, "Dataset files made by import")->required();
   command->add_option("-o,--output", arguments->run_folder, "Folder for the model, checkpoints and logs")->required();
-  command->add_option("--preset", arguments->preset, fmt::format("One of {} (default plus)", PresetNames()));
+  command->add_option("--preset", arguments->preset, fmt::format("One of {} (default best)", PresetNames()));
   // These are --set with a name of their own.
   const auto add = [&](const std::string& option, const std::string& field, const std::string& help) {
     command
@@ -129,11 +129,11 @@ void AddTrainCommand(CLI::App& app) {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   };
   add("--epochs", "epochs", "Times to go through the data (default 100, more for small recordings)");
-  add("--width", "width", "Width of the network's layers (default 256 for plus, otherwise 1024)");
+  add("--width", "width", "Width of the network's layers (default 256 for best and plus, otherwise 1024)");
   add("--device", "device", "cpu or cuda (default cpu)");
   add("--seed", "seed", "Seed of all randomness (default 0)");
   add("--mirror", "mirror", "auto: decide by perspective; keep or flip: by your choice (default auto)");
-  add("--threads", "threads", "Number of threads (default: all)");
+  add("--threads", "threads", "Number of threads (default: 1 to train, all cores to solve). More than 1 helps wide networks on an idle machine");
   command->add_option("--frames", arguments->frames, "Train on frames A-B of each sequence only, counted from 0");
   command->add_option("--subjects", arguments->subjects, "Train on these subjects only: A,B");
   command->add_option("--cameras", arguments->cameras,

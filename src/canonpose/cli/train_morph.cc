@@ -99,7 +99,7 @@ void AddTrainMorphCommand(CLI::App& app) {
   command->add_option("--learning-rate", options.learning_rate, "At the start")->capture_default_str();
   command->add_option("--validation", options.validation, "Share of the poses that is held out")->capture_default_str();
   command->add_option("--seed", options.seed, "Seed of all randomness")->capture_default_str();
-  command->add_option("--threads", options.threads, "Number of threads (default: all)");
+  command->add_option("--threads", options.threads, "Number of threads (default: 1)");
   command->add_option("--device", options.device, "cpu or cuda")->capture_default_str();
   command->add_flag("--resume", arguments->resume, "Go on with the run in the output folder where there is one");
   command->add_flag("--overwrite", arguments->overwrite, "Replace the run in the output folder");

@@ -99,7 +99,7 @@ void WarnAboutSlowLinearAlgebra() {
 }
 
 void SetThreadCount(int threads) {
-  if (threads <= 0) return;
+  threads = std::max(1, threads);
   at::set_num_threads(threads);
   // OpenBLAS keeps threads of its own, which LibTorch does not know of.
   using SetThreads = void (*)(int);

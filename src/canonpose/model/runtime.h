@@ -24,7 +24,8 @@ LinearAlgebraSpeed MeasureLinearAlgebra();
 /// Warns once where a slower library does, which something like LD_PRELOAD must then have put before it.
 void WarnAboutSlowLinearAlgebra();
 
-/// Sets the number of threads; 0 leaves it to LibTorch.
+/// Sets the number of threads that networks are computed with; 0: one, which is the fastest for narrow networks and never
+/// waits for a core that another program uses.
 void SetThreadCount(int threads);
 int ThreadCount();
 

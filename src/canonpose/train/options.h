@@ -10,7 +10,7 @@ namespace canonpose {
 
 struct TrainOptions {
   std::string preset =
-      "plus";      ///< what the others were set by: paper, paper+c, plus, supervised, martinez, epipolar, best
+      "best";      ///< what the others were set by: paper, paper+c, plus, supervised, martinez, epipolar, best
   int epochs = 0;  ///< 0: `default_epochs`, more where `min_steps` asks for it
   int default_epochs = 100;
   int min_steps = 0;                  ///< a small recording is gone through more often until this many steps are taken
@@ -64,7 +64,8 @@ struct TrainOptions {
   std::string mirror = "auto";              ///< auto: by the perspective slope; keep, flip: by request
   double validation = 0.1;                  ///< share of the frames held out, at the end of every 50
   std::uint64_t seed = 0;
-  int threads = 0;  ///< 0: as many as LibTorch chooses
+  /// Of the network, 0: one. What `best` does before training takes all cores where it is 0.
+  int threads = 0;
   std::string device = "cpu";
   double checkpoint_seconds = 30.0;  ///< time between checkpoints; the result does not depend on it
 

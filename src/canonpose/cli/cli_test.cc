@@ -94,7 +94,7 @@ void WriteData(const fs::path& path, int frames = 40, int joints = 5, std::int64
 }
 
 std::vector<std::string> TrainArguments(const fs::path& data, const fs::path& run) {
-  return {"train", data, "-o", run, "--width", "24", "--epochs", "3", "--threads", "1"};
+  return {"train", data, "-o", run, "--preset", "plus", "--width", "24", "--epochs", "3", "--threads", "1"};
 }
 
 TEST(Program, ImportsBenchmarks) {
@@ -121,7 +121,8 @@ TEST(Program, ImportsBenchmarks) {
               AllOf(HasSubstr("made from    3dhp-test"), HasSubstr("univ_annot3"), HasSubstr("On The Floor")));
   // A sequence of one camera is for evaluation.
   const fs::path run = folder / "run";
-  ASSERT_EQ(Execute({"train", folder / "skipose.h5", "-o", run, "--width", "24", "--epochs", "1", "--threads", "1"})
+  ASSERT_EQ(Execute({"train", folder / "skipose.h5", "-o", run, "--preset", "plus", "--width", "24", "--epochs", "1",
+                     "--threads", "1"})
                 .exit_code,
             0);
   const Outcome measured = Execute({"evaluate", run, folder / "3dhp-test.h5"});
@@ -406,7 +407,10 @@ TEST(Program, InterruptedTrainingSavesAndSaysHowToGoOn) {
   std::vector<std::string> arguments = TrainArguments(folder / "data.h5", folder / "run");
   arguments.insert(arguments.end(), {"--epochs", "100000"});
   const pid_t child = Start(arguments, folder / "out", folder / "err");
-  while (!fs::exists(folder / "run/metrics.jsonl")) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  while (!fs::exists(folder / "run/metrics.jsonl") && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
   kill(child, SIGINT);
   EXPECT_EQ(Wait(child), 130);
   EXPECT_THAT(ReadFile(folder / "err"), HasSubstr("--resume"));

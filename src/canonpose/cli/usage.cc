@@ -6,9 +6,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/nearest_name.h"
+#include "canonpose/base/version.h"
+#include "canonpose/model/runtime.h"
 
 namespace canonpose {
 namespace {
@@ -47,6 +50,15 @@ const CLI::App& Given(const CLI::App& app) {
   return commands.empty() ? app : *commands.front();
 }
 
+nlohmann::json DescribeProgram() {
+  const LinearAlgebraSpeed speed = MeasureLinearAlgebra();
+  return {{"version", ProgramVersion()},
+          {"linear_algebra",
+           {{"library", LinearAlgebraLibrary()},
+            {"gflops", speed.gflops},
+            {"openblas_gflops", speed.openblas_gflops}}}};
+}
+
 std::string HelpOf(const CLI::App& app, const CLI::App& command) {
   return &command == &app ? "canonpose help" : fmt::format("canonpose help {}", command.get_name());
 }
@@ -57,12 +69,17 @@ void AddHelpCommands(CLI::App& app) {
   auto command = std::make_shared<std::string>();
   app.add_subcommand("help", "Tell what there is, or all about a command")
       ->add_option("command", *command, "The command to tell about");
-  app.add_subcommand("version", "Tell the program's version");
+  CLI::App* version = app.add_subcommand("version", "Tell the program's version");
+  auto json = std::make_shared<bool>(false);
+  version->add_flag("--json", *json, "As JSON, with the library that multiplies matrices here, and how fast it does");
+  version->callback([json] {
+    if (*json) fmt::print("{}\n", DescribeProgram().dump(2));
+  });
 }
 
 std::vector<std::string> WithoutHelpWords(const std::vector<std::string>& arguments) {
   if (arguments.empty()) return arguments;
-  if (arguments.front() == "version") return {"--version"};
+  if (arguments == std::vector<std::string>{"version"}) return {"--version"};
   if (arguments.front() != "help") return arguments;
   std::vector<std::string> options(arguments.begin() + 1, arguments.end());
   options.emplace_back("--help");

@@ -8,10 +8,11 @@
 
 namespace canonpose {
 
-/// Adds the commands `help` and `version` to the list of commands; WithoutHelpWords() does their work.
+/// Adds the commands `help` and `version` to the list of commands; but for `version --json`, which describes the machine
+/// for bug reports and tests, WithoutHelpWords() does their work.
 void AddHelpCommands(CLI::App& app);
 
-/// "help", "help COMMAND" and "version" as the options that do the same.
+/// "help", "help COMMAND" and "version" by itself as the options that do the same.
 std::vector<std::string> WithoutHelpWords(const std::vector<std::string>& arguments);
 
 /// Throws Error(kUsage) where the first of `arguments` is no command, or there is none.

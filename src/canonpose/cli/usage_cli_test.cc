@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "canonpose/cli/program_testing.h"
 
@@ -40,6 +41,20 @@ TEST(Usage, HelpAndVersionAreCommandsToo) {
     EXPECT_EQ(told.output, Execute({command, "--help"}).output);
   }
   EXPECT_EQ(Execute({"help", "help"}).exit_code, 0);
+}
+
+// runtime_test asks the same of a test program; this is the one that users run.
+TEST(Usage, TheProgramMultipliesByOpenBlasAndAboutAsFastAsItAlone) {
+  const Outcome outcome = Execute({"version", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_EQ(outcome.errors, "");
+  const nlohmann::json program = nlohmann::json::parse(outcome.output);
+  EXPECT_THAT(Execute({"version"}).output, HasSubstr(program["version"].get<std::string>()));
+  const nlohmann::json& algebra = program["linear_algebra"];
+  if (algebra["library"] == "MKL") GTEST_SKIP() << "this LibTorch brings MKL";
+  EXPECT_THAT(algebra["library"].get<std::string>(), HasSubstr("openblas"));
+  EXPECT_GT(algebra["openblas_gflops"].get<double>(), 0.0);
+  EXPECT_GT(algebra["gflops"].get<double>(), algebra["openblas_gflops"].get<double>() / 3.0);
 }
 
 TEST(Usage, AnUnknownCommandIsNamedWithTheNearest) {

@@ -38,19 +38,38 @@ void AdjustTwice(const CaptureObservations& capture, std::span<const int> frames
   solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
 }
 
-/// Solves from the start's poses and from their depth mirror, and keeps what explains the keypoints better. Without
-/// sure evidence the start is kept: a lifter has learnt from people, or its own mirror was decided when it was trained;
-/// with a factorisation either is as good.
-Solution DecideMirror(const CaptureObservations& capture, std::span<const int> frames,
-                      const CalibrationOptions& options, const std::function<Solution(bool mirrored)>& solve) {
-  if (options.mirror != "auto") return solve(options.mirror == "flip");
-  std::array<Solution, 2> solutions;
-  InParallel(2, options.threads, [&](int i) { solutions[static_cast<std::size_t>(i)] = solve(i == 1); });
-  const double preference = Preference(capture, frames, solutions[0], solutions[1]);
+/// Of the solution from the start's poses and that from their depth mirror, the one that explains the keypoints better.
+/// Without sure evidence the start is kept: a lifter has learnt from people, or its own mirror was decided when it was
+/// trained; with a factorisation either is as good.
+Solution SurerOf(std::array<Solution, 2> solutions, double preference) {
   Solution& best = solutions[preference < -kSureSigma ? 1 : 0];
   best.mirror_sigma = std::abs(preference);
   if (preference < 0.0 && !best.mirrored) best.mirror_sigma = preference;
   return std::move(best);
+}
+
+/// Solves from the start's poses and from their depth mirror. Where one is surely better, that may be because the other
+/// ended in a poorer local minimum: it is solved once more, by `refine` from the depth mirror of the better one, and
+/// what remains of the lead is the evidence. Without `refine` the first lead counts.
+Solution DecideMirror(const CaptureObservations& capture, std::span<const int> frames,
+                      const CalibrationOptions& options, const std::function<Solution(bool mirrored)>& solve,
+                      const std::function<void(Solution&)>& refine = {}) {
+  if (options.mirror != "auto") return solve(options.mirror == "flip");
+  std::array<Solution, 2> solutions;
+  InParallel(2, options.threads, [&](int i) { solutions[static_cast<std::size_t>(i)] = solve(i == 1); });
+  double preference = Preference(capture, frames, solutions[0], solutions[1]);
+  if (refine && std::abs(preference) > kSureSigma) {
+    const std::size_t worse = preference > 0.0 ? 1 : 0;
+    Solution again{.estimate = solutions[1 - worse].estimate, .scales = {}, .mirrored = worse == 1};
+    again.scales.acceleration = solutions[worse].scales.acceleration;
+    again.estimate.MirrorDepth();
+    refine(again);
+    if (Preference(capture, frames, again, solutions[worse]) > 0.0) {
+      solutions[worse] = std::move(again);
+      preference = Preference(capture, frames, solutions[0], solutions[1]);
+    }
+  }
+  return SurerOf(std::move(solutions), preference);
 }
 
 int ReferenceView(std::span<const Eigen::Matrix3d> camera_from_world) {
@@ -110,7 +129,12 @@ Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOp
   const std::vector<int> usable = FramesWithStart(capture);
   const std::vector<int> frames = EvenRuns(ConsecutiveFrames(0, capture.frame_count), kRuns, kRunFrames);
   const auto rotations = SmoothedRotations(capture, kRotationSeconds);
-  return DecideMirror(capture, frames, options, [&](bool mirrored) {
+  const auto refine = [&](Solution& solution) {
+    AdjustTwice(capture, frames, -1, solution);
+    solution.scales.turning_per_second = MeasureTurning(capture, frames, solution.estimate);
+    SpreadFocalLengths(capture, frames, solution);
+  };
+  const auto solve = [&](bool mirrored) {
     auto camera_from_world = rotations;
     for (std::vector<Eigen::Matrix3d>& views : camera_from_world) {
       if (mirrored) std::ranges::transform(views, views.begin(), MirrorRotation);
@@ -119,11 +143,10 @@ Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOp
     solution.mirrored = mirrored;
     solution.estimate = InitialiseMoving(capture, usable, camera_from_world, mirrored);
     solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
-    AdjustTwice(capture, frames, -1, solution);
-    solution.scales.turning_per_second = MeasureTurning(capture, frames, solution.estimate);
-    SpreadFocalLengths(capture, frames, solution);
+    refine(solution);
     return solution;
-  });
+  };
+  return DecideMirror(capture, frames, options, solve, refine);
 }
 
 }  // namespace canonpose

@@ -22,7 +22,19 @@ constexpr double kRotationSeconds = 0.5;
 constexpr int kRuns = 6;
 constexpr int kRunFrames = 50;
 
-/// From far off with a wide loss to the scatter that there is.
+/// To the scatter that there is.
+void AdjustToNoise(const CaptureObservations& capture, std::span<const int> frames, int fixed_view,
+                   Solution& solution) {
+  AdjustmentOptions options;
+  options.fixed_view = fixed_view;
+  options.scales = solution.scales;
+  options.loss_scale = kLossScale;
+  options.iterations = capture.static_cameras ? 100 : 15;
+  Adjust(capture, frames, options, solution.estimate);
+  solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+}
+
+/// From far off with a wide loss, then to the scatter that there is.
 void AdjustTwice(const CaptureObservations& capture, std::span<const int> frames, int fixed_view, Solution& solution) {
   AdjustmentOptions options;
   options.fixed_view = fixed_view;
@@ -31,45 +43,23 @@ void AdjustTwice(const CaptureObservations& capture, std::span<const int> frames
   options.loss_scale = 3.0;
   options.iterations = 10;
   Adjust(capture, frames, options, solution.estimate);
-  options.scales.observation = MeasureNoise(capture, frames, solution.estimate);
-  options.loss_scale = kLossScale;
-  options.iterations = capture.static_cameras ? 100 : 15;
-  Adjust(capture, frames, options, solution.estimate);
   solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+  AdjustToNoise(capture, frames, fixed_view, solution);
 }
 
-/// Of the solution from the start's poses and that from their depth mirror, the one that explains the keypoints better.
-/// Without sure evidence the start is kept: a lifter has learnt from people, or its own mirror was decided when it was
-/// trained; with a factorisation either is as good.
-Solution SurerOf(std::array<Solution, 2> solutions, double preference) {
+/// Solves from the start's poses and from their depth mirror, and keeps what explains the keypoints better. Without
+/// sure evidence the start is kept: a lifter has learnt from people, or its own mirror was decided when it was trained;
+/// with a factorisation either is as good.
+Solution DecideMirror(const CaptureObservations& capture, std::span<const int> frames,
+                      const CalibrationOptions& options, const std::function<Solution(bool mirrored)>& solve) {
+  if (options.mirror != "auto") return solve(options.mirror == "flip");
+  std::array<Solution, 2> solutions;
+  InParallel(2, options.threads, [&](int i) { solutions[static_cast<std::size_t>(i)] = solve(i == 1); });
+  const double preference = Preference(capture, frames, solutions[0], solutions[1]);
   Solution& best = solutions[preference < -kSureSigma ? 1 : 0];
   best.mirror_sigma = std::abs(preference);
   if (preference < 0.0 && !best.mirrored) best.mirror_sigma = preference;
   return std::move(best);
-}
-
-/// Solves from the start's poses and from their depth mirror. Where one is surely better, that may be because the other
-/// ended in a poorer local minimum: it is solved once more, by `refine` from the depth mirror of the better one, and
-/// what remains of the lead is the evidence. Without `refine` the first lead counts.
-Solution DecideMirror(const CaptureObservations& capture, std::span<const int> frames,
-                      const CalibrationOptions& options, const std::function<Solution(bool mirrored)>& solve,
-                      const std::function<void(Solution&)>& refine = {}) {
-  if (options.mirror != "auto") return solve(options.mirror == "flip");
-  std::array<Solution, 2> solutions;
-  InParallel(2, options.threads, [&](int i) { solutions[static_cast<std::size_t>(i)] = solve(i == 1); });
-  double preference = Preference(capture, frames, solutions[0], solutions[1]);
-  if (refine && std::abs(preference) > kSureSigma) {
-    const std::size_t worse = preference > 0.0 ? 1 : 0;
-    Solution again{.estimate = solutions[1 - worse].estimate, .scales = {}, .mirrored = worse == 1};
-    again.scales.acceleration = solutions[worse].scales.acceleration;
-    again.estimate.MirrorDepth();
-    refine(again);
-    if (Preference(capture, frames, again, solutions[worse]) > 0.0) {
-      solutions[worse] = std::move(again);
-      preference = Preference(capture, frames, solutions[0], solutions[1]);
-    }
-  }
-  return SurerOf(std::move(solutions), preference);
 }
 
 int ReferenceView(std::span<const Eigen::Matrix3d> camera_from_world) {
@@ -129,12 +119,7 @@ Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOp
   const std::vector<int> usable = FramesWithStart(capture);
   const std::vector<int> frames = EvenRuns(ConsecutiveFrames(0, capture.frame_count), kRuns, kRunFrames);
   const auto rotations = SmoothedRotations(capture, kRotationSeconds);
-  const auto refine = [&](Solution& solution) {
-    AdjustTwice(capture, frames, -1, solution);
-    solution.scales.turning_per_second = MeasureTurning(capture, frames, solution.estimate);
-    SpreadFocalLengths(capture, frames, solution);
-  };
-  const auto solve = [&](bool mirrored) {
+  return DecideMirror(capture, frames, options, [&](bool mirrored) {
     auto camera_from_world = rotations;
     for (std::vector<Eigen::Matrix3d>& views : camera_from_world) {
       if (mirrored) std::ranges::transform(views, views.begin(), MirrorRotation);
@@ -143,10 +128,14 @@ Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOp
     solution.mirrored = mirrored;
     solution.estimate = InitialiseMoving(capture, usable, camera_from_world, mirrored);
     solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
-    refine(solution);
+    AdjustTwice(capture, frames, -1, solution);
+    solution.scales.turning_per_second = MeasureTurning(capture, frames, solution.estimate);
+    // Once more, now that the turning is known: or the mirror that had to turn less would have a lead.
+    AdjustToNoise(capture, frames, -1, solution);
+    solution.scales.turning_per_second = MeasureTurning(capture, frames, solution.estimate);
+    SpreadFocalLengths(capture, frames, solution);
     return solution;
-  };
-  return DecideMirror(capture, frames, options, solve, refine);
+  });
 }
 
 }  // namespace canonpose

@@ -170,6 +170,11 @@ void FillFromStart(const CaptureObservations& capture, int frame, bool mirrored,
 
 }  // namespace
 
+Eigen::Matrix3d MirrorRotation(const Eigen::Matrix3d& rotation) {
+  const Eigen::Vector3d flip(1.0, 1.0, -1.0);
+  return flip.asDiagonal() * rotation * flip.asDiagonal();
+}
+
 FrameShape ShapeFromViews(const CaptureObservations& capture, int frame,
                           std::span<const Eigen::Matrix3d> camera_from_world, bool mirrored) {
   FrameShape shape;

@@ -15,6 +15,9 @@ namespace canonpose {
 
 using Points3 = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
+/// The depth mirror of a rotation, F R F with F = diag(1, 1, -1).
+Eigen::Matrix3d MirrorRotation(const Eigen::Matrix3d& rotation);
+
 /// A frame as orthographic views with known rotations see it.
 struct FrameShape {
   Points3 joints;              ///< (J, 3) in the world, centred on the root; the sum of the bone lengths is 1

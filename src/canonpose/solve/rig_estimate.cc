@@ -2,14 +2,7 @@
 
 #include <algorithm>
 
-#include "canonpose/base/error.h"
-
 namespace canonpose {
-
-Eigen::Matrix3d MirrorRotation(const Eigen::Matrix3d& rotation) {
-  const Eigen::Vector3d flip(1.0, 1.0, -1.0);
-  return flip.asDiagonal() * rotation * flip.asDiagonal();
-}
 
 RigEstimate RigEstimate::Unknown(bool static_cameras, int frames, int views, int joints, int subjects) {
   RigEstimate estimate;
@@ -44,12 +37,6 @@ std::vector<int> RigEstimate::ValidViews(int frame) const {
     if (CameraAt(frame, v).valid) valid.push_back(v);
   }
   return valid;
-}
-
-void RigEstimate::MirrorDepth() {
-  CANONPOSE_CHECK(!static_cameras, "translations of static cameras have no such mirror");
-  for (Eigen::Vector3d& joint : joints) joint.z() = -joint.z();
-  for (CameraEstimate& camera : cameras) camera.SetRotation(MirrorRotation(camera.Rotation()));
 }
 
 RigEstimate RigEstimate::Slice(int first, int count) const {

@@ -11,9 +11,6 @@
 
 namespace canonpose {
 
-/// The depth mirror of a rotation, F R F with F = diag(1, 1, -1).
-Eigen::Matrix3d MirrorRotation(const Eigen::Matrix3d& rotation);
-
 /// One camera, or one camera in one frame. With x_in_camera = rotation * x_in_world + translation and f the focal
 /// length in image diagonals, normalised image coordinates are f * (x, y) / z.
 ///
@@ -91,10 +88,6 @@ struct RigEstimate {
   /// Normalised image coordinates that a unit takes up in a view, at the depth of the root, or of the joints that are
   /// solved where the root is not; NaN where none is.
   [[nodiscard]] double ImageScale(int frame, int view, int root) const;
-
-  /// Makes it its depth mirror, joints F X and rotations F R F with F = diag(1, 1, -1): the same image but for
-  /// perspective. Of moving cameras only, whose world is centred on the root.
-  void MirrorDepth();
 
   /// A copy of frames `first` .. `first + count - 1`, which keep their numbers.
   [[nodiscard]] RigEstimate Slice(int first, int count) const;

@@ -30,13 +30,13 @@ fs::path FolderOf(const fs::path& path) { return path.has_parent_path() ? path.p
 
 /// The place that links at `path` lead to, whether there is something or not. Throws where they lead round in a circle.
 fs::path ResolveLinks(const fs::path& path) {
-  constexpr int kMostLinks = 40;
+  constexpr int kMaxLinks = 40;
   fs::path target = path;
   std::error_code error;
   for (int i = 0; fs::is_symlink(target, error); ++i) {
     const fs::path next = fs::read_symlink(target, error);
     if (error) ThrowCannotWrite(path, error.value());
-    if (i == kMostLinks) ThrowCannotWrite(path, ELOOP);
+    if (i == kMaxLinks) ThrowCannotWrite(path, ELOOP);
     target = FolderOf(target) / next;  // an absolute `next` stands alone
   }
   return target;

@@ -7,7 +7,7 @@ namespace canonpose {
 namespace {
 
 /// A shorter beginning of a name may be anything.
-constexpr std::size_t kLeastBeginning = 3;
+constexpr std::size_t kMinBeginning = 3;
 constexpr std::size_t kLettersPerSlip = 3;
 
 std::string LowerCase(std::string_view text) {
@@ -41,7 +41,7 @@ std::size_t Slips(const std::string& a, const std::string& b) {
 std::optional<std::string> NearestName(std::string_view word, const std::vector<std::string>& names) {
   const std::string typed = LowerCase(word);
   const auto begins = [&](const std::string& name) { return LowerCase(name).starts_with(typed); };
-  if (typed.size() >= kLeastBeginning && std::count_if(names.begin(), names.end(), begins) == 1) {
+  if (typed.size() >= kMinBeginning && std::count_if(names.begin(), names.end(), begins) == 1) {
     return *std::find_if(names.begin(), names.end(), begins);
   }
   std::optional<std::string> nearest;

@@ -36,8 +36,8 @@ class Run {
                    const std::string& prefix, Progress& progress);
   void AddCanonical(const std::vector<std::vector<float>>& canonical,
                     const std::vector<std::vector<PoseErrors>>& errors, int frame_count);
-  void TellTruthKind(EvaluationReport& report) const;
-  void TellWhatIsMissing(EvaluationReport& report) const;
+  void ReportTruthKind(EvaluationReport& report) const;
+  void ReportMissing(EvaluationReport& report) const;
   [[noreturn]] void ThrowNothingLeft() const;
 
   const DatasetEvaluation& job_;
@@ -141,7 +141,7 @@ void Run::AddTruthKinds(const Dataset& dataset) {
   }
 }
 
-void Run::TellTruthKind(EvaluationReport& report) const {
+void Run::ReportTruthKind(EvaluationReport& report) const {
   std::vector<std::string> kinds(truth_kinds_.begin(), truth_kinds_.end());
   std::replace(kinds.begin(), kinds.end(), std::string(), std::string("unknown"));
   if (truth_kinds_ != std::set<std::string>{""}) report.truth_kind = fmt::format("{}", fmt::join(kinds, " and "));
@@ -152,7 +152,7 @@ void Run::TellTruthKind(EvaluationReport& report) const {
                                                                   : fmt::format("this is {}", report.truth_kind)));
 }
 
-void Run::TellWhatIsMissing(EvaluationReport& report) const {
+void Run::ReportMissing(EvaluationReport& report) const {
   std::vector<std::string> missing;
   for (const std::string& wanted : job_.protocol.subjects) {
     if (std::none_of(subjects_.begin(), subjects_.end(), [&](const std::string& s) { return SameName(s, wanted); })) {
@@ -188,8 +188,8 @@ void Run::ThrowNothingLeft() const {
 EvaluationReport Run::Finish() {
   if (!evaluation_) ThrowNothingLeft();
   EvaluationReport report = evaluation_->Finish(reference_.Kind(), job_.files.front().string());
-  TellTruthKind(report);
-  TellWhatIsMissing(report);
+  ReportTruthKind(report);
+  ReportMissing(report);
   report.left_out_sequences = left_out_sequences_;
   report.cameras = cameras_.Medians();
   if (canonical_) report.canonical = canonical_->Finish();

@@ -38,7 +38,7 @@ struct ImportArguments {
 };
 
 /// "NAME=VALUE" as its two halves; the name is empty where there is no '='.
-std::pair<std::string, std::string> SplitNamed(const std::string& text) {
+std::pair<std::string, std::string> SplitNameAndPath(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos) return {"", text};
   return {text.substr(0, equals), text.substr(equals + 1)};
@@ -56,7 +56,7 @@ ImportOptions ToOptions(const ImportArguments& arguments) {
   ImportOptions options = arguments.options;
   options.paths.assign(arguments.paths.begin(), arguments.paths.end());
   for (const std::string& text : arguments.cameras) {
-    const auto [name, path] = SplitNamed(text);
+    const auto [name, path] = SplitNameAndPath(text);
     if (!name.empty() && !path.empty()) {
       options.cameras.push_back({name, path});
     } else if (name.empty() && text == path) {
@@ -66,11 +66,11 @@ ImportOptions ToOptions(const ImportArguments& arguments) {
     }
   }
   for (const std::string& text : arguments.image_sizes) {
-    const auto [name, size] = SplitNamed(text);
+    const auto [name, size] = SplitNameAndPath(text);
     (name.empty() ? options.image_size : options.camera_image_size[name]) = ParseImageSize(size);
   }
   for (const std::string& text : arguments.people) {
-    const auto [name, number] = SplitNamed(text);
+    const auto [name, number] = SplitNameAndPath(text);
     (name.empty() ? options.person : options.camera_person[name]) = ParsePerson(number);
   }
   options.calibration = arguments.calibration;

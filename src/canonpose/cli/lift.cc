@@ -105,8 +105,8 @@ void RunLift(const LiftArguments& arguments) {
   if (arguments.height_m && !(*arguments.height_m > 0.0 && *arguments.height_m < 10.0)) {
     ThrowUsage("--height: expected the person's height in metres, such as 1.75, found {}", *arguments.height_m);
   }
-  if (arguments.smooth_frames && *arguments.smooth_frames < kLeastSmoothing) {
-    ThrowUsage("--smooth: expected {} frames or more, found {}", kLeastSmoothing, *arguments.smooth_frames);
+  if (arguments.smooth_frames && *arguments.smooth_frames < kMinSmoothing) {
+    ThrowUsage("--smooth: expected {} frames or more, found {}", kMinSmoothing, *arguments.smooth_frames);
   }
   if (!fs::exists(arguments.input)) {
     ThrowBadInput({arguments.input.string(), "", "a dataset or a detector's files", "nothing", "check the path"});

@@ -21,7 +21,7 @@ namespace canonpose {
 namespace {
 
 /// Failures of libraries, in one line: LibTorch's end in a stack of C++ frames.
-int TellUnexpected(const std::string& what) {
+int ReportUnexpected(const std::string& what) {
   const std::string line = what.substr(0, what.find('\n'));
   if (line.find("not enough memory") != std::string::npos || line.find("out of memory") != std::string::npos) {
     LogInfo("error: out of memory; close other programs, or use a smaller --width or recording");
@@ -80,12 +80,12 @@ int Main(int argc, char** argv) {
     LogInfo("error: {}", error.what());
     return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
-    return TellUnexpected("out of memory");
+    return ReportUnexpected("out of memory");
   } catch (const std::filesystem::filesystem_error& error) {
     LogInfo("error: {}: {}; check the path", error.path1().string(), error.code().message());
     return static_cast<int>(ExitCode::kBadInput);
   } catch (const std::exception& error) {
-    return TellUnexpected(error.what());
+    return ReportUnexpected(error.what());
   }
 }
 

@@ -58,7 +58,7 @@ void KeepFirst(Dataset& dataset, std::size_t count, const std::string& file) {
 
 }  // namespace
 
-void KeepCamerasNamed(Sequence& sequence, const std::vector<std::string>& names) {
+void KeepCameras(Sequence& sequence, const std::vector<std::string>& names) {
   std::erase_if(sequence.cameras,
                 [&](const CameraView& view) { return std::ranges::find(names, view.name) == names.end(); });
 }
@@ -76,7 +76,7 @@ void KeepCameras(Dataset& dataset, const std::string& choice, const std::string&
     ThrowBadInput({file, "", fmt::format("a camera {}", name), fmt::format("{}", fmt::join(known, ", ")),
                    "choose cameras that are there"});
   }
-  for (Sequence& sequence : dataset.sequences) KeepCamerasNamed(sequence, chosen);
+  for (Sequence& sequence : dataset.sequences) KeepCameras(sequence, chosen);
   std::erase_if(dataset.sequences, [](const Sequence& sequence) { return sequence.cameras.empty(); });
 }
 

@@ -9,7 +9,7 @@
 namespace canonpose {
 
 /// Cuts a sequence down to the cameras of these names; names that it has not change nothing.
-void KeepCamerasNamed(Sequence& sequence, const std::vector<std::string>& names);
+void KeepCameras(Sequence& sequence, const std::vector<std::string>& names);
 
 /// Cuts every sequence down to the cameras of `choice`: "A,B" by name, or a number N for the first N of each sequence
 /// (unless a camera has that name). Sequences without any disappear. Throws Error(kUsage) where it is no choice,

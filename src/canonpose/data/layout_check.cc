@@ -28,7 +28,7 @@ constexpr int kFewFrames = 10;
 constexpr double kClearlyBetter = 1.25;
 /// Fewer joints seen at once say nothing.
 constexpr int kFewestJoints = 7;
-constexpr int kMostFrames = 400;
+constexpr int kMaxFrames = 400;
 /// Foreshortening alone hardly takes the median ratio of two limb parts beyond this.
 constexpr double kOddLimbRatio = 2.5;
 
@@ -265,7 +265,7 @@ bool LayoutFit::fits() const {
 LayoutFit MeasureLayout(const Skeleton& layout, std::span<const KeypointClip> clips) {
   std::size_t total = 0;
   for (const KeypointClip& clip : clips) total += clip.frame_numbers.size();
-  const std::size_t stride = std::max<std::size_t>(1, total / kMostFrames);
+  const std::size_t stride = std::max<std::size_t>(1, total / kMaxFrames);
   const std::vector<Limb> legs = Limbs(layout, true);
   const std::vector<Limb> arms = Limbs(layout, false);
   EdgeLengths edges(layout);

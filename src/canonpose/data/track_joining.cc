@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector2d;
 
 /// A crowd has no use for more.
-constexpr std::size_t kMostTracks = 64;
+constexpr std::size_t kMaxTracks = 64;
 /// The parts of one person have prominences a frame that differ by less than this factor, and sizes likewise.
 constexpr double kSameFactor = 2.5;
 /// Another track counts as somebody from these shares of the lesser part's prominence on, a frame and in all.
@@ -129,7 +129,7 @@ bool IsOnlyPlausible(const std::vector<Part>& parts, std::size_t earlier, std::s
 
 std::size_t CountPeople(const std::vector<PersonTrack>& tracks) {
   std::size_t count = 0;
-  while (count < std::min(kMostTracks, tracks.size()) &&
+  while (count < std::min(kMaxTracks, tracks.size()) &&
          tracks[count].prominence >= kPersonShare * tracks.front().prominence) {
     ++count;
   }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 // Two rays at 2 degrees make 30 times as much of an error along them as across: no reference any more.
-constexpr double kLeastRayAngleRad = 2.0 * 3.14159265358979 / 180.0;
+constexpr double kMinRayAngleRad = 2.0 * 3.14159265358979 / 180.0;
 
 PointObservation Observe(const CameraView& view, int frame, std::size_t joint_in_sequence) {
   PointObservation observation;
@@ -39,7 +39,7 @@ SequenceReference TriangulateSequence(const Sequence& sequence, int joints, std:
     const auto frame = static_cast<int>(i / joint_count);
     for (std::size_t c = 0; c < observations.size(); ++c) observations[c] = Observe(sequence.cameras[c], frame, i);
     const TriangulatedPoint point = Triangulate(observations);
-    if (!point.valid() || !point.in_front_of_all_cameras || point.largest_ray_angle_rad < kLeastRayAngleRad) continue;
+    if (!point.valid() || !point.in_front_of_all_cameras || point.largest_ray_angle_rad < kMinRayAngleRad) continue;
     for (std::size_t c = 0; c < observations.size(); ++c) {
       if (sequence.cameras[c].calibration.empty()) continue;
       const PointObservation& seen = observations[c];

@@ -57,7 +57,7 @@ class PoseLifter {
 void ScaleToHeight(LiftedPoses& poses, const Skeleton& skeleton, double height_mm);
 
 /// The least window of Smooth().
-inline constexpr int kLeastSmoothing = 5;
+inline constexpr int kMinSmoothing = 5;
 
 /// Replaces every pose by the middle of the quadratics in time that fit each coordinate best over `window_frames`
 /// frames (Savitzky and Golay 1964; at gaps and ends over those that there are); canonical poses follow, rotations

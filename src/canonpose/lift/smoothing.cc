@@ -20,7 +20,7 @@ Eigen::VectorXd QuadraticWeights(const Eigen::VectorXd& t) {
 }  // namespace
 
 void Smooth(LiftedPoses& poses, std::span<const std::int64_t> frames, int window_frames) {
-  CANONPOSE_CHECK(window_frames >= kLeastSmoothing && static_cast<int>(frames.size()) == poses.frame_count, "{} {}",
+  CANONPOSE_CHECK(window_frames >= kMinSmoothing && static_cast<int>(frames.size()) == poses.frame_count, "{} {}",
                   window_frames, frames.size());
   const int half = window_frames / 2;
   const auto values = static_cast<std::size_t>(3 * poses.joint_count);
@@ -34,7 +34,7 @@ void Smooth(LiftedPoses& poses, std::span<const std::int64_t> frames, int window
       if (std::isfinite(before[other * values]) && std::abs(frames[other] - frames[at]) <= half) near.push_back(other);
     }
     // A quadratic through hardly more than three frames smooths nothing.
-    if (near.size() < static_cast<std::size_t>(kLeastSmoothing)) continue;
+    if (near.size() < static_cast<std::size_t>(kMinSmoothing)) continue;
     Eigen::VectorXd times(static_cast<Eigen::Index>(near.size()));
     for (std::size_t i = 0; i < near.size(); ++i) {
       times[static_cast<Eigen::Index>(i)] = static_cast<double>(frames[near[i]] - frames[at]);

@@ -35,7 +35,7 @@ torch::Tensor Rodrigues(const torch::Tensor& axis_angle) {
   return torch::eye(3, axis_angle.options()) + sine * cross + versine * torch::bmm(cross, cross);
 }
 
-RotationForm RotationFormNamed(const std::string& name) {
+RotationForm ParseRotationForm(const std::string& name) {
   CANONPOSE_CHECK(name == "axis_angle" || name == "6d", "{}", name);
   return name == "6d" ? RotationForm::kSix : RotationForm::kAxisAngle;
 }
@@ -62,7 +62,7 @@ void LiftingNetwork::Mirror() {
   }
 }
 
-ConfidenceInput ConfidenceInputNamed(const std::string& name) {
+ConfidenceInput ParseConfidenceInput(const std::string& name) {
   CANONPOSE_CHECK(name == "on" || name == "missing" || name == "off", "{}", name);
   if (name == "on") return ConfidenceInput::kAll;
   return name == "missing" ? ConfidenceInput::kMissing : ConfidenceInput::kNone;

@@ -17,7 +17,7 @@ enum class RotationForm {
 };
 
 /// Of "axis_angle" or "6d", as options and model files name them.
-RotationForm RotationFormNamed(const std::string& name);
+RotationForm ParseRotationForm(const std::string& name);
 
 struct LifterOutput {
   torch::Tensor pose;        ///< (B, 3, J) canonical pose X, in the network's unit
@@ -44,7 +44,7 @@ enum class ConfidenceInput {
 };
 
 /// Of "on", "missing" or "off", as options and model files name them.
-ConfidenceInput ConfidenceInputNamed(const std::string& name);
+ConfidenceInput ParseConfidenceInput(const std::string& name);
 
 /// What training and lifting know of a network.
 class LiftingNetwork : public torch::nn::Module {

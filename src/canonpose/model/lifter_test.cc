@@ -180,7 +180,7 @@ TEST(Lifter, SeesOfConfidencesWhatItWasMadeToSee) {
   torch::Tensor missing = sure.clone();
   missing[0][2 * kJoints + 1] = 0.0;
   const auto same = [&](const char* name, const torch::Tensor& a, const torch::Tensor& b) {
-    Lifter lifter(kJoints, 8, RotationForm::kAxisAngle, ConfidenceInputNamed(name));
+    Lifter lifter(kJoints, 8, RotationForm::kAxisAngle, ParseConfidenceInput(name));
     lifter->Initialise(1);
     return torch::equal(lifter->forward(a).pose, lifter->forward(b).pose);
   };

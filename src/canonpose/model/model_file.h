@@ -42,7 +42,7 @@ struct InputForm {
   std::string ray = "off";  ///< off; root: the root's viewing ray is turned onto the optical axis
   std::string focal =
       "guess";  ///< for that, guess: from the image size; known: solved or calibrated where there is one
-  std::string confidences = "on";  ///< what the network sees of confidences, see ConfidenceInputNamed()
+  std::string confidences = "on";  ///< what the network sees of confidences, see ParseConfidenceInput()
 };
 
 /// Whether training without labels has settled in a solution that is none (train/trap.h).
@@ -64,7 +64,7 @@ struct ModelInfo {
   DatasetSource source;
   std::string network = "canonical";  ///< canonical: model/lifter.h; martinez: model/martinez_lifter.h; kMorphNetwork
   int width = 0;
-  std::string rotation = "axis_angle";  ///< form of the rotation branch, see RotationFormNamed()
+  std::string rotation = "axis_angle";  ///< form of the rotation branch, see ParseRotationForm()
   InputForm input;
   std::string preset;
   std::string options;  ///< JSON of every training option

@@ -67,7 +67,7 @@ std::shared_ptr<LiftingNetwork> MakeNetwork(const ModelInfo& info) {
   const int joints = info.skeleton.joint_count();
   if (info.network == "martinez") return MartinezLifter(joints, info.width).ptr();
   CANONPOSE_CHECK(info.network == "canonical", "{} is no lifter", info.network);
-  return Lifter(joints, info.width, RotationFormNamed(info.rotation), ConfidenceInputNamed(info.input.confidences))
+  return Lifter(joints, info.width, ParseRotationForm(info.rotation), ParseConfidenceInput(info.input.confidences))
       .ptr();
 }
 

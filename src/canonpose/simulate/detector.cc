@@ -15,8 +15,8 @@
 namespace canonpose {
 namespace {
 
-constexpr double kMostStrength = 10.0;
-constexpr double kMostSyncFrames = 100.0;
+constexpr double kMaxStrength = 10.0;
+constexpr double kMaxSyncFrames = 100.0;
 
 /// Right-handed axes as columns: forward, left, up, where up is given and left about `across`.
 Eigen::Matrix3d Axes(const Eigen::Vector3d& upwards, const Eigen::Vector3d& across) {
@@ -187,16 +187,16 @@ void DetectorOptions::Validate() const {
     double value;
     double most;
   };
-  const std::array<Strength, 10> strengths = {{{"noise", noise, kMostStrength},
-                                               {"jitter", jitter, kMostStrength},
-                                               {"occlusion", occlusion, kMostStrength},
-                                               {"swaps", swaps, kMostStrength},
-                                               {"outliers", outliers, kMostStrength},
-                                               {"missed-joints", missed_joints, kMostStrength},
-                                               {"missed-frames", missed_frames, kMostStrength},
-                                               {"confidence", confidence, kMostStrength},
-                                               {"joint-offset", joint_offset, kMostStrength},
-                                               {"sync-jitter", sync_jitter, kMostSyncFrames}}};
+  const std::array<Strength, 10> strengths = {{{"noise", noise, kMaxStrength},
+                                               {"jitter", jitter, kMaxStrength},
+                                               {"occlusion", occlusion, kMaxStrength},
+                                               {"swaps", swaps, kMaxStrength},
+                                               {"outliers", outliers, kMaxStrength},
+                                               {"missed-joints", missed_joints, kMaxStrength},
+                                               {"missed-frames", missed_frames, kMaxStrength},
+                                               {"confidence", confidence, kMaxStrength},
+                                               {"joint-offset", joint_offset, kMaxStrength},
+                                               {"sync-jitter", sync_jitter, kMaxSyncFrames}}};
   for (const Strength& strength : strengths) {
     if (!(strength.value >= 0.0 && strength.value <= strength.most)) {
       ThrowUsage("--{} {} is out of range; give 0 to {}", strength.name, strength.value, strength.most);

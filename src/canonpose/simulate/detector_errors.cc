@@ -30,7 +30,7 @@ int LandmarkOf(const DetectorLayout& layout, std::size_t joint) {
 
 Stretches::Stretches(const tuning::Stretch& stretch, double rate, Rng& rng)
     : stretch_(stretch),
-      rate_(std::min(rate, tuning::kMostRate)),
+      rate_(std::min(rate, tuning::kMaxRate)),
       // From long enough before the clip that a stretch may be under way when it begins.
       end_(-2.0 * stretch.longest_seconds) {
   DrawNext(rng);
@@ -128,7 +128,7 @@ void ErrorProcess::AddNoise(const FrameView& view, FrameDetections& found) {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     Joint& joint = joints_[j];
     const double scale = std::exp(tuning::kScaleOfJoint * joint.scale.Next(noise_rng_));
-    const double blur = 1.0 + tuning::kBlur * std::min(view.speed[j], tuning::kMostBlurSpeed);
+    const double blur = 1.0 + tuning::kBlur * std::min(view.speed[j], tuning::kMaxBlurSpeed);
     const Eigen::Vector2d slow(joint.slow_x.Next(noise_rng_), joint.slow_y.Next(noise_rng_));
     const Eigen::Vector2d fast(joint.fast_x.Next(noise_rng_), joint.fast_y.Next(noise_rng_));
     found.pixels[j] +=
@@ -142,7 +142,7 @@ void ErrorProcess::AddNoise(const FrameView& view, FrameDetections& found) {
     Eigen::Vector2d other = pull * (view.pixels[static_cast<std::size_t>(joint.mirror)] - view.pixels[j]);
     if (!other.allFinite()) other.setZero();
     const double length = other.norm() / view.height_px;
-    if (length > tuning::kMostPull) other *= tuning::kMostPull / length;
+    if (length > tuning::kMaxPull) other *= tuning::kMaxPull / length;
     found.pixels[j] += occlusion * joint.hidden * (view.height_px * joint.its_class->occluded * scale * lost + other);
   }
 }

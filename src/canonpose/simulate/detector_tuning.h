@@ -41,14 +41,14 @@ inline constexpr double kScaleOfPerson = 0.20;
 inline constexpr double kScaleSeconds = 0.4;
 /// Motion blur: the scale grows by this for each statures-per-second that a joint moves in the image.
 inline constexpr double kBlur = 0.25;
-inline constexpr double kMostBlurSpeed = 6.0;
+inline constexpr double kMaxBlurSpeed = 6.0;
 
 /// Hidden joints: errors of their own, and a pull towards the other side's joint.
 inline constexpr double kOccludedSeconds = 0.35;
 inline constexpr double kOcclusionRampSeconds = 0.08;
 inline constexpr double kPull = 0.12;        ///< mean share of the way to the other side's joint
 inline constexpr double kPullSpread = 0.12;  ///< and its standard deviation
-inline constexpr double kMostPull = 0.05;    ///< no further than this
+inline constexpr double kMaxPull = 0.05;    ///< no further than this
 
 /// A stretch of frames in which something goes wrong: how often it begins, how long it lasts.
 struct Stretch {
@@ -68,7 +68,7 @@ inline constexpr double kSwapFrontView = 0.05;
 inline constexpr double kOutlierWhenOccluded = 3.0;
 inline constexpr double kMissedWhenOccluded = 7.0;
 /// No event begins more often than this, whatever the option's strength.
-inline constexpr double kMostRate = 20.0;
+inline constexpr double kMaxRate = 20.0;
 /// Where outliers go: the other side's joint, some other joint, the background.
 inline constexpr double kOutlierToMirror = 0.45;
 inline constexpr double kOutlierToJoint = 0.25;

@@ -10,7 +10,7 @@
 namespace canonpose {
 namespace {
 
-constexpr int kMostCameras = 1000;
+constexpr int kMaxCameras = 1000;
 
 Eigen::Vector3d Around(double azimuth_rad, double distance_mm, double height_mm) {
   return {distance_mm * std::cos(azimuth_rad), distance_mm * std::sin(azimuth_rad), height_mm};
@@ -84,10 +84,10 @@ bool RigOptions::IsFile() const {
 }
 
 void RigOptions::Validate() const {
-  if (cameras < 0 || cameras == 1 || cameras > kMostCameras) {
+  if (cameras < 0 || cameras == 1 || cameras > kMaxCameras) {
     throw Error(ExitCode::kBadInput,
                 fmt::format("--cameras {}: expected 2 to {} cameras, or 0 for as many as the rig has by itself",
-                            cameras, kMostCameras));
+                            cameras, kMaxCameras));
   }
   if (!IsBuiltinKind(kind) && !IsFile()) {
     ThrowUsage("--rig {} is not known; choose studio, ring, ptz, handheld or a JSON file", kind);

@@ -75,8 +75,8 @@ void AimBeside(const Eigen::Vector3d& position_mm, const Eigen::Vector3d& point_
 
 constexpr double kPtzLagSeconds = 0.2;
 /// The person's height in the picture, as a share of the picture's, stays in this range.
-constexpr double kLeastFill = 0.25;
-constexpr double kMostFill = 0.60;
+constexpr double kMinFill = 0.25;
+constexpr double kMaxFill = 0.60;
 constexpr double kFillTimeSeconds = 3.0;
 /// Operators' error: standard deviation and limit as shares of the picture's height.
 constexpr double kPtzAimError = 0.05;
@@ -87,7 +87,7 @@ struct PtzCamera {
   double azimuth_rad;
   double distance_mm;
   double elevation_rad;  ///< above the subject, seen from it
-  double fill;           ///< 0..1: what the operator likes, between kLeastFill and kMostFill
+  double fill;           ///< 0..1: what the operator likes, between kMinFill and kMaxFill
   Lens lens;
 };
 
@@ -117,7 +117,7 @@ std::vector<Camera> FilmOne(const PtzCamera& ptz, const LandmarkTrack& track, Rn
     const Eigen::Vector3d& pelvis = Pelvis(track, t);
     const Eigen::Vector3d& followed = follower.Next(pelvis);
     const double liking = std::clamp(ptz.fill + 0.15 * zoom.Next(rng), 0.0, 1.0);
-    const double fill = kLeastFill + (kMostFill - kLeastFill) * liking;
+    const double fill = kMinFill + (kMaxFill - kMinFill) * liking;
     const double depth = (followed - position).norm();
     const double focal_px = fill * height_px * depth / stature_mm;
     ptz.lens.Apply(focal_px, camera);

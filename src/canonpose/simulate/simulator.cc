@@ -20,10 +20,10 @@ namespace {
 
 constexpr double kProceduralFps = 50.0;
 /// A clip is made in one piece in memory (about 5 kB a frame and camera).
-constexpr int kMostFramesOfAClip = 100000;
+constexpr int kMaxFramesPerClip = 100000;
 /// Every thread holds a clip.
-constexpr std::size_t kMostThreads = 64;
-constexpr int kMostClips = 1000000;
+constexpr std::size_t kMaxThreads = 64;
+constexpr int kMaxClips = 1000000;
 constexpr double kLowestFps = 0.1;
 
 /// What a generator is for, as its first stream number.
@@ -41,7 +41,7 @@ void RequireNumber(bool ok, const char* option, const char* expected, double fou
   }
 }
 
-const Skeleton& RequireSkeletonNamed(const std::string& name, const char* option) {
+const Skeleton& RequireSkeleton(const std::string& name, const char* option) {
   const Skeleton* skeleton = FindSkeleton(name);
   if (skeleton == nullptr) {
     ThrowUsage("{}: expected one of {}, found \"{}\"", option, BuiltinSkeletonNames(), name);
@@ -146,29 +146,29 @@ std::vector<float> TruthInCamera(const std::vector<Eigen::Vector3d>& joints_mm, 
 }  // namespace
 
 void SimulationOptions::Validate() const {
-  RequireNumber(subjects >= 1 && subjects <= kMostClips, "--subjects", "1 to 1000000", subjects);
-  RequireNumber(clips >= 0 && clips <= kMostClips, "--clips", "1 to 1000000", clips);
-  RequireNumber(static_cast<double>(subjects) * std::max(1, clips) <= kMostClips, "--clips",
+  RequireNumber(subjects >= 1 && subjects <= kMaxClips, "--subjects", "1 to 1000000", subjects);
+  RequireNumber(clips >= 0 && clips <= kMaxClips, "--clips", "1 to 1000000", clips);
+  RequireNumber(static_cast<double>(subjects) * std::max(1, clips) <= kMaxClips, "--clips",
                 "at most 1000000 clips of all subjects together", clips);
   RequireNumber(seconds > 0.0 && std::isfinite(seconds), "--seconds", "more than 0", seconds);
   RequireNumber(fps == 0.0 || (fps >= kLowestFps && fps <= 1000.0), "--fps", "0.1 to 1000 frames a second", fps);
   if (motion_files.empty()) {
     const double frames = seconds * (fps > 0.0 ? fps : kProceduralFps);
-    RequireNumber(frames <= kMostFramesOfAClip, "--seconds", "a clip of at most 100000 frames; make more clips instead",
+    RequireNumber(frames <= kMaxFramesPerClip, "--seconds", "a clip of at most 100000 frames; make more clips instead",
                   seconds);
     RequireNumber(frames >= 2.0, "--seconds", "a clip of at least two frames", seconds);
   }
-  RequireSkeletonNamed(skeleton, "--skeleton");
-  if (!layout.empty()) RequireSkeletonNamed(layout, "--layout");
+  RequireSkeleton(skeleton, "--skeleton");
+  if (!layout.empty()) RequireSkeleton(layout, "--layout");
   rig.Validate();
   detector.Validate();
 }
 
 Simulator::Simulator(SimulationOptions options) : options_(std::move(options)) {
   options_.Validate();
-  skeleton_ = RequireSkeletonNamed(options_.skeleton, "--skeleton");
+  skeleton_ = RequireSkeleton(options_.skeleton, "--skeleton");
   const std::string& layout = options_.layout.empty() ? options_.skeleton : options_.layout;
-  layout_ = MakeDetectorLayout(RequireSkeletonNamed(layout, "--layout"));
+  layout_ = MakeDetectorLayout(RequireSkeleton(layout, "--layout"));
   if (!layout_skeleton().SameJoints(skeleton_)) skeleton_from_layout_ = MapLayout(layout_skeleton(), skeleton_);
   // A rig that cannot be used is told before any motion is read. One from a file is the same for all captures.
   std::unique_ptr<Rig> rig = MakeRig(options_.rig, Rng(options_.seed, {kRigStream}));
@@ -220,8 +220,8 @@ ArticulatedMotion Simulator::LoadMotion(const ClipSource& source) const {
   if (source.file.empty()) return MakeProceduralMotion(source.procedural);
   ArticulatedMotion motion = ReadMotion(source.file);
   ThinOut(motion, options_.fps);
-  if (motion.frame_count() > kMostFramesOfAClip) {
-    ThrowBadInput({source.file.string(), "", fmt::format("at most {} frames", kMostFramesOfAClip),
+  if (motion.frame_count() > kMaxFramesPerClip) {
+    ThrowBadInput({source.file.string(), "", fmt::format("at most {} frames", kMaxFramesPerClip),
                    fmt::format("{}", motion.frame_count()), "cut it into clips, or thin it out with --fps"});
   }
   return motion;
@@ -288,7 +288,7 @@ SimulatedClip Simulator::Make(int index) const {
 
 ClipStream::ClipStream(const Simulator& simulator, int threads)
     : simulator_(simulator),
-      ahead_(threads > 0 ? std::min<std::size_t>(threads, kMostThreads)
+      ahead_(threads > 0 ? std::min<std::size_t>(threads, kMaxThreads)
                          : std::max(1U, std::thread::hardware_concurrency())) {
   Refill();
 }

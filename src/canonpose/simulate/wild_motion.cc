@@ -19,8 +19,8 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kNoiseSeconds = 0.6;
-constexpr double kMostKnee = Deg(148.0);
-constexpr double kMostElbow = Deg(145.0);
+constexpr double kMaxKnee = Deg(148.0);
+constexpr double kMaxElbow = Deg(145.0);
 
 Quaterniond FromRotationVector(const Vector3d& vector) {
   const double angle = vector.norm();
@@ -82,7 +82,7 @@ LimbPose AnyArm(Rng& rng) {
 LimbPose AnyLeg(Rng& rng) {
   const double forward = Deg(rng.Uniform(-25.0, 115.0));
   // A thigh that is lifted usually comes with a bent knee.
-  const double most = std::max(Deg(30.0), std::min(kMostKnee, forward + Deg(60.0)));
+  const double most = std::max(Deg(30.0), std::min(kMaxKnee, forward + Deg(60.0)));
   return {forward, Deg(rng.Uniform(-8.0, 45.0)), Deg(rng.Uniform(-25.0, 25.0)), rng.Uniform(0.0, most)};
 }
 
@@ -111,7 +111,7 @@ class WildLimb {
       bend = pose_->bend;
     }
     upper = FromRotationVector(turn_.Next(rng)) * upper;
-    bend = std::clamp(bend + hinge_noise_ * hinge_.Next(rng), 0.0, is_arm_ ? kMostElbow : kMostKnee);
+    bend = std::clamp(bend + hinge_noise_ * hinge_.Next(rng), 0.0, is_arm_ ? kMaxElbow : kMaxKnee);
     hinge = AboutY(sign * bend);
   }
 

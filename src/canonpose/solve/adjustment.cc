@@ -173,14 +173,14 @@ void AdjustmentProblem::AddCameraMotion() {
       CameraEstimate& now = estimate_.CameraAt(frames_[i], v);
       CameraEstimate& before = estimate_.CameraAt(frames_[i] - 1, v);
       if (!now.valid || !before.valid) continue;
-      problem_.AddResidualBlock(TurningTerm::Create(fps / scales.turning_per_second), nullptr, before.quaternion.data(),
+      problem_.AddResidualBlock(AngularVelocityTerm::Create(fps / scales.angular_velocity), nullptr, before.quaternion.data(),
                                 now.quaternion.data());
       problem_.AddResidualBlock(ZoomTerm::Create(std::sqrt(fps) / scales.zoom_per_second), nullptr, &before.log_focal,
                                 &now.log_focal);
       if (!FollowsRun(i, 3)) continue;
       CameraEstimate& earlier = estimate_.CameraAt(frames_[i] - 2, v);
       if (!earlier.valid) continue;
-      problem_.AddResidualBlock(TurningChangeTerm::Create(fps * fps / scales.turning_change_per_second2), nullptr,
+      problem_.AddResidualBlock(AngularAccelerationTerm::Create(fps * fps / scales.angular_acceleration), nullptr,
                                 earlier.quaternion.data(), before.quaternion.data(), now.quaternion.data());
     }
   }

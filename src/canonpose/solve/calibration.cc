@@ -129,10 +129,10 @@ Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOp
     solution.estimate = InitialiseMoving(capture, usable, camera_from_world, mirrored);
     solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
     AdjustTwice(capture, frames, -1, solution);
-    solution.scales.turning_per_second = MeasureTurning(capture, frames, solution.estimate);
+    solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);
     // Once more, now that the turning is known: or the mirror that had to turn less would have a lead.
     AdjustToNoise(capture, frames, -1, solution);
-    solution.scales.turning_per_second = MeasureTurning(capture, frames, solution.estimate);
+    solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);
     SpreadFocalLengths(capture, frames, solution);
     return solution;
   });

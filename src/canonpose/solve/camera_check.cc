@@ -132,7 +132,7 @@ int FindStranger(const CaptureObservations& capture, const Calibrate& calibrate,
   for (const int v : used) {
     CaptureObservations without = capture;
     DropView(without, v);
-    if (static_cast<int>(FramesWithStart(without).size()) < kLeastFrames) continue;
+    if (static_cast<int>(FramesWithStart(without).size()) < kMinFrames) continue;
     Solution candidate = calibrate(without);
     const double error = MedianError(without, candidate);
     if (!(error < best)) continue;

@@ -17,21 +17,21 @@ constexpr int kMeasuredFrames = 200;
 // Measured on simulated captures: studio, handheld and pan-tilt-zoom rigs, nine activities, the usual noise and twice
 // that; statues; pairs of cameras that show different people.
 /// Keypoints of a statue change by 0.06 to 0.12 (usual noise), those of people by 0.36 at least.
-constexpr double kLeastMotion = 0.18;
+constexpr double kMinMotion = 0.18;
 /// Good captures: 0.3 to 0.5 %, with twice the noise up to 1.3 %.
-constexpr double kMostReprojection = 0.015;
+constexpr double kMaxReprojection = 0.015;
 /// Good captures: 0.05 to 0.09, with twice the noise up to 0.16, growing where cameras are close together. Different
 /// people: 0.09 to 1.8.
-constexpr double kMostBoneScatter = 0.25;
+constexpr double kMaxBoneScatter = 0.25;
 constexpr double kAngleForBonesDeg = 30.0;
 /// Above both of these two cameras may well show different people, or be noisy.
 constexpr double kDoubtfulReprojection = 0.005;
 constexpr double kDoubtfulBoneScatter = 0.085;
-constexpr double kLeastViewAngleDeg = 10.0;
+constexpr double kMinViewAngleDeg = 10.0;
 /// Good captures: 0.86 to 1.47.
-constexpr double kMostDepthOverWidth = 1.8;
+constexpr double kMaxDepthOverWidth = 1.8;
 /// A quarter longer. Good captures: up to 0.08, with twice the noise 0.14.
-constexpr double kMostAsymmetry = 0.223;
+constexpr double kMaxAsymmetry = 0.223;
 
 double Degrees(double radians) { return radians * 180.0 / M_PI; }
 
@@ -124,7 +124,7 @@ double MotionSpread(const CaptureObservations& capture) {
         for (std::size_t axis = 0; axis < 2; ++axis) places[axis].push_back(place[static_cast<Eigen::Index>(axis)]);
         sizes.push_back(capture.static_cameras ? size : 1.0);
       }
-      if (sizes.size() < static_cast<std::size_t>(kLeastFrames)) continue;
+      if (sizes.size() < static_cast<std::size_t>(kMinFrames)) continue;
       const double size = Median(std::move(sizes));
       double squares = 0.0;
       for (std::vector<double>& values : places) {
@@ -148,11 +148,11 @@ std::string MissingInput(const CaptureObservations& capture) {
   }
   const auto shared = static_cast<int>(FramesWithStart(capture).size());
   if (shared == 0) return "no two cameras see the person at the same time";
-  if (shared < kLeastFrames) {
-    return fmt::format("needs {} frames at least that two cameras see, has {}", kLeastFrames, shared);
+  if (shared < kMinFrames) {
+    return fmt::format("needs {} frames at least that two cameras see, has {}", kMinFrames, shared);
   }
   const double motion = MotionSpread(capture);
-  if (motion < kLeastMotion) {
+  if (motion < kMinMotion) {
     return fmt::format(
         "the person does not move (keypoints change by {:.1f} % of the body's size): nothing but {} points is known",
         100.0 * motion, capture.joint_count());
@@ -189,25 +189,25 @@ Plausibility MeasurePlausibility(const CaptureObservations& capture, const Solut
 
 std::string Implausible(const Plausibility& plausibility) {
   if (!std::isfinite(plausibility.reprojection)) return "no frame could be solved";
-  if (!(plausibility.view_angle_deg >= kLeastViewAngleDeg)) {
+  if (!(plausibility.view_angle_deg >= kMinViewAngleDeg)) {
     return fmt::format(
         "all cameras look along nearly the same line ({:.0f} degrees apart): depth cannot be told; needs {:.0f} at "
         "least",
-        plausibility.view_angle_deg, kLeastViewAngleDeg);
+        plausibility.view_angle_deg, kMinViewAngleDeg);
   }
   const bool bones_vary =
-      plausibility.bone_scatter > kMostBoneScatter && plausibility.view_angle_deg > kAngleForBonesDeg;
-  if (plausibility.reprojection > kMostReprojection || bones_vary) {
+      plausibility.bone_scatter > kMaxBoneScatter && plausibility.view_angle_deg > kAngleForBonesDeg;
+  if (plausibility.reprojection > kMaxReprojection || bones_vary) {
     return fmt::format(
         "the cameras do not agree: keypoints are {:.1f} % of the body's bone length off (usual: 0.5 %), bones {:.0f} % "
         "(usual: 7 %); do they show the same person, at the same time?",
         100.0 * plausibility.reprojection, 100.0 * plausibility.bone_scatter);
   }
-  if (plausibility.depth_over_width > kMostDepthOverWidth) {
+  if (plausibility.depth_over_width > kMaxDepthOverWidth) {
     return fmt::format("the solution is flawed: poses are {:.1f} times as deep as wide; start from another model",
                        plausibility.depth_over_width);
   }
-  if (plausibility.asymmetry > kMostAsymmetry) {
+  if (plausibility.asymmetry > kMaxAsymmetry) {
     return fmt::format("the solution is flawed: left and right limbs differ by {:.0f} %; start from another model",
                        100.0 * std::expm1(plausibility.asymmetry));
   }

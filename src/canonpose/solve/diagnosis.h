@@ -9,7 +9,7 @@
 namespace canonpose {
 
 /// Fewer frames that two cameras share say too little of the cameras.
-inline constexpr int kLeastFrames = 10;
+inline constexpr int kMinFrames = 10;
 
 /// What a recording lacks before anything is tried: cameras, frames that two of them share, motion. Empty where
 /// nothing is missing; one line otherwise.

@@ -17,7 +17,7 @@
 namespace canonpose {
 namespace {
 
-constexpr int kLeastJoints = 6;
+constexpr int kMinJoints = 6;
 /// Cameras are found from at most so many frames, evenly spread.
 constexpr int kFactorisedFrames = 600;
 constexpr int kRounds = 30;
@@ -87,7 +87,7 @@ std::vector<std::size_t> AffineSolver::Common(std::size_t i, const std::vector<s
         views, [&](std::size_t v) { return capture_.Sees(frames_[i], static_cast<int>(v), static_cast<int>(j)); });
     if (is_seen) common.push_back(j);
   }
-  if (common.size() < static_cast<std::size_t>(kLeastJoints)) common.clear();
+  if (common.size() < static_cast<std::size_t>(kMinJoints)) common.clear();
   return common;
 }
 
@@ -118,7 +118,7 @@ std::vector<std::size_t> AffineSolver::ChooseViews() const {
     views.erase(views.begin() + static_cast<std::ptrdiff_t>(worst_view));
     count = best;
   }
-  if (count < static_cast<std::size_t>(kLeastFrames) || views.size() < 2) views.clear();
+  if (count < static_cast<std::size_t>(kMinFrames) || views.size() < 2) views.clear();
   return views;
 }
 
@@ -313,7 +313,7 @@ StartPoses FactorisedStart(const Dataset& dataset, const std::string& file) {
     for (const ClipRange& clip : capture.clips) {
       const std::vector<CameraView>& views = dataset.sequences[clip.sequence].cameras;
       for (std::size_t c = 0; c < views.size(); ++c) {
-        const auto v = static_cast<std::size_t>(capture.ViewNamed(views[c].name));
+        const auto v = static_cast<std::size_t>(capture.FindView(views[c].name));
         const Eigen::Matrix3d& rotation = found.camera_from_world[v];
         std::vector<float>& poses = start.sequences[clip.sequence][c];
         poses.assign(3 * static_cast<std::size_t>(clip.count) * joints, std::nanf(""));

@@ -24,7 +24,7 @@ struct Factorisation {
                                         ///< own; NaN where fewer than two cameras see it
 };
 
-/// Needs kLeastFrames (diagnosis.h) of which at least two cameras show the same six joints; all NaN otherwise. Not for
+/// Needs kMinFrames (diagnosis.h) of which at least two cameras show the same six joints; all NaN otherwise. Not for
 /// moving cameras.
 Factorisation Factorise(const CaptureObservations& capture);
 

@@ -64,10 +64,10 @@ std::vector<double> MeasureAccelerations(const CaptureObservations& capture, con
   return scatter;
 }
 
-double MeasureTurning(const CaptureObservations& capture, std::span<const int> frames, const RigEstimate& estimate) {
+double MeasureAngularVelocity(const CaptureObservations& capture, std::span<const int> frames, const RigEstimate& estimate) {
   constexpr double kSpurts = 2.0;
-  constexpr double kLeast = 0.1;
-  constexpr double kMost = 1.0;
+  constexpr double kMin = 0.1;
+  constexpr double kMax = 1.0;
   std::vector<double> speeds;
   const std::vector<int> runs = RunsOf(capture, frames);
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -82,8 +82,8 @@ double MeasureTurning(const CaptureObservations& capture, std::span<const int> f
       speeds.push_back(RotationAngle(before.Rotation(), now.Rotation()) * fps / static_cast<double>(step));
     }
   }
-  if (speeds.empty()) return AdjustmentScales{}.turning_per_second;
-  return std::clamp(kSpurts * Median(std::move(speeds)) / kMedianLength3, kLeast, kMost);
+  if (speeds.empty()) return AdjustmentScales{}.angular_velocity;
+  return std::clamp(kSpurts * Median(std::move(speeds)) / kMedianLength3, kMin, kMax);
 }
 
 BlockMean MeanOverBlocks(const CaptureObservations& capture, std::span<const int> frames,

@@ -6,11 +6,11 @@
 namespace canonpose {
 namespace {
 
-constexpr double kLeastScatter = 1e-5;
+constexpr double kMinScatter = 1e-5;
 /// The median length of a 2-vector of normal errors of scatter 1.
 constexpr double kMedianLength = 1.1774;
 constexpr int kShares = 10;
-constexpr std::size_t kLeastErrorsOfAShare = 50;
+constexpr std::size_t kMinErrorsPerShare = 50;
 
 template <typename Value>
 double MedianOf(std::vector<KeypointError>::const_iterator first, std::vector<KeypointError>::const_iterator last,
@@ -30,9 +30,9 @@ NoiseModel::NoiseModel(std::vector<KeypointError> errors, int joint_count) {
   std::stable_sort(errors.begin(), errors.end(),
                    [](const KeypointError& a, const KeypointError& b) { return a.confidence < b.confidence; });
   const auto length = [](const KeypointError& error) { return error.length / kMedianLength; };
-  scatter_ = std::max(kLeastScatter, MedianOf(errors.begin(), errors.end(), length));
+  scatter_ = std::max(kMinScatter, MedianOf(errors.begin(), errors.end(), length));
   const std::size_t shares =
-      std::clamp<std::size_t>(errors.size() / kLeastErrorsOfAShare, 1, static_cast<std::size_t>(kShares));
+      std::clamp<std::size_t>(errors.size() / kMinErrorsPerShare, 1, static_cast<std::size_t>(kShares));
   for (std::size_t s = 0; s < shares; ++s) {
     const auto first = errors.begin() + static_cast<std::ptrdiff_t>(s * errors.size() / shares);
     const auto last = errors.begin() + static_cast<std::ptrdiff_t>((s + 1) * errors.size() / shares);
@@ -48,7 +48,7 @@ NoiseModel::NoiseModel(std::vector<KeypointError> errors, int joint_count) {
     relative[static_cast<std::size_t>(error.joint)].push_back(length(error) / Scatter(error.joint, error.confidence));
   }
   for (std::size_t j = 0; j < relative.size(); ++j) {
-    if (relative[j].size() < kLeastErrorsOfAShare) continue;
+    if (relative[j].size() < kMinErrorsPerShare) continue;
     const auto middle = relative[j].begin() + static_cast<std::ptrdiff_t>(relative[j].size() / 2);
     std::nth_element(relative[j].begin(), middle, relative[j].end());
     joint_factors_[j] = std::clamp(*middle, 0.25, 4.0);

@@ -16,7 +16,7 @@ constexpr double kDefaultFps = 30.0;
 
 /// Adds the camera of a view of a sequence, where the capture does not have it yet.
 void AddCamera(CaptureObservations& capture, const CameraView& view, const Sequence& sequence) {
-  const int known = capture.ViewNamed(view.name);
+  const int known = capture.FindView(view.name);
   if (known < 0) {
     capture.cameras.push_back({view.name, view.image_size, std::hypot(view.image_size[0], view.image_size[1])});
     return;
@@ -69,7 +69,7 @@ int SubjectIndex(CaptureObservations& capture, const std::string& subject) {
 
 }  // namespace
 
-int CaptureObservations::ViewNamed(std::string_view camera) const {
+int CaptureObservations::FindView(std::string_view camera) const {
   const auto found = std::ranges::find(cameras, camera, &ObservedCamera::name);
   return found == cameras.end() ? -1 : static_cast<int>(found - cameras.begin());
 }
@@ -116,7 +116,7 @@ std::vector<CaptureObservations> CollectCaptures(const Dataset& dataset, const S
     for (const ClipRange& clip : capture.clips) {
       const Sequence& sequence = dataset.sequences[clip.sequence];
       for (std::size_t c = 0; c < sequence.cameras.size(); ++c) {
-        FillView(capture, clip, capture.ViewNamed(sequence.cameras[c].name), sequence.cameras[c],
+        FillView(capture, clip, capture.FindView(sequence.cameras[c].name), sequence.cameras[c],
                  start.sequences.at(clip.sequence).at(c));
       }
     }

@@ -54,7 +54,7 @@ struct CaptureObservations {
 
   [[nodiscard]] int view_count() const { return static_cast<int>(cameras.size()); }
   /// The view of a camera; -1 where there is none of that name.
-  [[nodiscard]] int ViewNamed(std::string_view camera) const;
+  [[nodiscard]] int FindView(std::string_view camera) const;
   [[nodiscard]] int joint_count() const { return skeleton.joint_count(); }
   [[nodiscard]] std::size_t Index(int frame, int view, int joint) const {
     return (static_cast<std::size_t>(frame) * cameras.size() + static_cast<std::size_t>(view)) *

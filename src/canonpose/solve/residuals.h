@@ -14,7 +14,7 @@ namespace canonpose {
 
 /// Nearer than this to a camera, in body units, a point is held at this depth, so that a step of the solver that puts
 /// it behind the camera has a finite cost.
-inline constexpr double kLeastDepth = 0.02;
+inline constexpr double kMinDepth = 0.02;
 
 /// weight * (observed - projected), 2 residuals; parameters quaternion (4), placement (3), log focal length (1), joint
 /// (3). kRootCentred: cameras move and placement is (root x, root y, log scale).
@@ -38,7 +38,7 @@ struct ReprojectionTerm {
     } else {
       for (int i = 0; i < 3; ++i) p[i] += placement[i];
     }
-    const T depth = p[2] < T(kLeastDepth) ? T(kLeastDepth) : p[2];
+    const T depth = p[2] < T(kMinDepth) ? T(kMinDepth) : p[2];
     for (int i = 0; i < 2; ++i) residual[i] = weight * (focal * p[i] / depth - observed[i]);
     return true;
   }
@@ -71,7 +71,7 @@ class JointInViewsTerm : public ceres::CostFunction {
     for (std::size_t v = 0; v < views_.size(); ++v) {
       const KnownView& view = views_[v];
       const Eigen::Vector3d p = view.rotation * joint + view.translation;
-      const double depth = std::max(p.z(), kLeastDepth);
+      const double depth = std::max(p.z(), kMinDepth);
       const Eigen::Vector2d raw = view.weight * (view.focal * p.head<2>() / depth - view.observed);
       // |out|^2 = s^2 log(1 + |raw|^2 / s^2): out = g(|raw|^2) raw.
       const double squares = raw.squaredNorm();
@@ -84,7 +84,7 @@ class JointInViewsTerm : public ceres::CostFunction {
       const double factor = view.weight * view.focal / depth;
       of_raw.row(0) = factor * view.rotation.row(0);
       of_raw.row(1) = factor * view.rotation.row(1);
-      if (p.z() > kLeastDepth) of_raw -= factor / depth * p.head<2>() * view.rotation.row(2);
+      if (p.z() > kMinDepth) of_raw -= factor / depth * p.head<2>() * view.rotation.row(2);
       // dg/d(squares) = (1 / (1 + relative) - log1p(relative) / relative) / (2 g squares)
       const double slope = relative < 1e-8
                                ? -0.25 / (loss_scale_ * loss_scale_)
@@ -172,7 +172,7 @@ void RotationBetween(const T* a, const T* b, T* vector) {
 
 /// weight * rotation vector from one frame's camera to the next, 3 residuals; parameters quaternion (4), quaternion
 /// (4).
-struct TurningTerm {
+struct AngularVelocityTerm {
   double weight;
 
   template <typename T>
@@ -182,12 +182,12 @@ struct TurningTerm {
     return true;
   }
   static ceres::CostFunction* Create(double weight) {
-    return new ceres::AutoDiffCostFunction<TurningTerm, 3, 4, 4>(new TurningTerm{weight});
+    return new ceres::AutoDiffCostFunction<AngularVelocityTerm, 3, 4, 4>(new AngularVelocityTerm{weight});
   }
 };
 
 /// weight * change of the turning from one pair of frames to the next, 3 residuals; parameters three quaternions (4).
-struct TurningChangeTerm {
+struct AngularAccelerationTerm {
   double weight;
 
   template <typename T>
@@ -200,7 +200,7 @@ struct TurningChangeTerm {
     return true;
   }
   static ceres::CostFunction* Create(double weight) {
-    return new ceres::AutoDiffCostFunction<TurningChangeTerm, 3, 4, 4, 4>(new TurningChangeTerm{weight});
+    return new ceres::AutoDiffCostFunction<AngularAccelerationTerm, 3, 4, 4, 4>(new AngularAccelerationTerm{weight});
   }
 };
 

@@ -105,13 +105,13 @@ TEST(Residuals, Accelerations) {
   ExpectRightJacobians(AccelerationTerm(7.0), {{0.1, 0.2, 0.3}, {0.2, 0.1, 0.5}, {-0.1, 0.0, 0.4}});
 }
 
-TEST(Residuals, TurningAndItsChange) {
+TEST(Residuals, AngularVelocityAndAcceleration) {
   const std::vector<double> a = Quaternion(0.3, {1, 2, 3});
   const std::vector<double> b = Quaternion(0.5, {1, 1, 3});
   const std::vector<double> c = Quaternion(0.6, {1, 0, 3});
-  const std::unique_ptr<ceres::CostFunction> turning(TurningTerm::Create(5.0));
+  const std::unique_ptr<ceres::CostFunction> turning(AngularVelocityTerm::Create(5.0));
   ExpectRightJacobians(*turning, {a, b});
-  const std::unique_ptr<ceres::CostFunction> change(TurningChangeTerm::Create(5.0));
+  const std::unique_ptr<ceres::CostFunction> change(AngularAccelerationTerm::Create(5.0));
   ExpectRightJacobians(*change, {a, b, c});
 }
 

@@ -12,7 +12,7 @@
 namespace canonpose {
 namespace {
 
-constexpr double kLeastAngleRad = 5.0 * M_PI / 180.0;
+constexpr double kMinAngleRad = 5.0 * M_PI / 180.0;
 constexpr int kReweightings = 10;
 constexpr int kSynchronisationRounds = 50;
 
@@ -98,7 +98,7 @@ MeanRotation RobustMean(std::span<const Eigen::Matrix3d> samples, std::span<cons
     for (std::size_t i = 0; i < samples.size(); ++i) sum += weights[i] * factors[i] * samples[i];
     mean.rotation = NearestRotation(sum);
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      factors[i] = kLeastAngleRad / std::max(kLeastAngleRad, RotationAngle(samples[i], mean.rotation));
+      factors[i] = kMinAngleRad / std::max(kMinAngleRad, RotationAngle(samples[i], mean.rotation));
     }
   }
   std::vector<double> angles;
@@ -151,9 +151,9 @@ std::vector<Eigen::Matrix3d> SynchroniseRotations(const std::vector<std::vector<
       for (std::size_t w = 0; w < views; ++w) {
         if (w == v || !reached[w] || pairs[v][w].weight <= 0.0) continue;
         const Eigen::Matrix3d sample = pairs[v][w].rotation * rotations[w];
-        const double angle = std::max(kLeastAngleRad, RotationAngle(sample, rotations[v]));
+        const double angle = std::max(kMinAngleRad, RotationAngle(sample, rotations[v]));
         // Pairs whose frames agree count more: opposite views, say, are hard for a lifter.
-        sum += pairs[v][w].weight / (angle * std::max(kLeastAngleRad, pairs[v][w].median_angle_rad)) * sample;
+        sum += pairs[v][w].weight / (angle * std::max(kMinAngleRad, pairs[v][w].median_angle_rad)) * sample;
       }
       if (sum.squaredNorm() > 0.0) rotations[v] = NearestRotation(sum);
     }
@@ -173,13 +173,13 @@ StaticRotations AverageStaticRotations(const CaptureObservations& capture, std::
 
 std::vector<std::vector<Eigen::Matrix3d>> SmoothedRotations(const CaptureObservations& capture, double window_seconds) {
   // More than this many samples of a window add nothing.
-  constexpr int kMostSamples = 31;
+  constexpr int kMaxSamples = 31;
   std::vector<FrameRotations> relative;
   for (int n = 0; n < capture.frame_count; ++n) relative.push_back(RelativeRotations(capture, n));
   std::vector<std::vector<Eigen::Matrix3d>> rotations(static_cast<std::size_t>(capture.frame_count));
   for (const ClipRange& clip : capture.clips) {
     const int reach = std::max(1, static_cast<int>(std::lround(window_seconds * clip.fps)));
-    const int stride = std::max(1, (2 * reach + 1) / kMostSamples);
+    const int stride = std::max(1, (2 * reach + 1) / kMaxSamples);
     for (int n = clip.first; n < clip.first + clip.count; ++n) {
       const int first = std::max(clip.first, n - reach);
       const int last = std::min(clip.first + clip.count - 1, n + reach);

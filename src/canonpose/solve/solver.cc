@@ -181,7 +181,7 @@ void WriteSolution(const CaptureObservations& capture, const Solution& solution,
   for (std::size_t c = 0; c < capture.clips.size(); ++c) {
     const ClipRange& clip = capture.clips[c];
     for (CameraView& view : dataset.sequences[clip.sequence].cameras) {
-      const int v = capture.ViewNamed(view.name);
+      const int v = capture.FindView(view.name);
       WriteView(capture, solution, uncertainty, clip, v, check.offsets[c][static_cast<std::size_t>(v)], view);
     }
   }

@@ -26,7 +26,7 @@ constexpr ExchangeCosts kCostsOfMoreViews = {0.5, 4.0};
 /// Of each view beyond the first that is exchanged at the same time.
 constexpr double kNextViewCost = 2.0;
 /// With more views than this, one at a time is exchanged.
-constexpr int kMostViewsForPairs = 6;
+constexpr int kMaxViewsForPairs = 6;
 constexpr int kFramesAtATime = 64;
 
 bool Contains(const std::string& name, std::string_view part) {
@@ -57,7 +57,7 @@ void ExchangePairs(CaptureObservations& capture, int frame, int view, const Swap
 std::vector<ViewMask> Patterns(const std::vector<int>& views) {
   std::vector<ViewMask> patterns = {0};
   for (const int v : views) patterns.push_back(ViewMask{1} << v);
-  for (std::size_t a = 0; static_cast<int>(views.size()) <= kMostViewsForPairs && a < views.size(); ++a) {
+  for (std::size_t a = 0; static_cast<int>(views.size()) <= kMaxViewsForPairs && a < views.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) patterns.push_back(ViewMask{1} << views[a] | ViewMask{1} << views[b]);
   }
   return patterns;

@@ -21,7 +21,7 @@ namespace {
 constexpr int kOffsetRuns = 4;
 constexpr int kOffsetRunFrames = 60;
 /// With fewer frames of its own a camera has no offset that could be told.
-constexpr int kLeastOffsetFrames = 20;
+constexpr int kMinOffsetFrames = 20;
 /// An offset is believed where it fits better by this many standard errors and this share of the cost.
 constexpr double kOffsetSigma = 3.0;
 constexpr double kOffsetShare = 0.05;
@@ -60,7 +60,7 @@ class OffsetSearch {
   const ClipRange& clip_;
   int view_;
   int other_view_ = -1;  ///< where there are two alone
-  int most_ = kMostOffset;
+  int most_ = kMaxOffset;
   std::vector<std::vector<Eigen::Vector3d>> others_;  ///< by frame of the clip; empty: not yet asked for
   std::vector<int> frames_;
   std::vector<std::vector<double>> costs_;  ///< (2 most + 1, frames)
@@ -75,7 +75,7 @@ OffsetSearch::OffsetSearch(const CaptureObservations& capture, const Solution& s
   if (!solution.estimate.CameraAt(clip_.first, view).valid) return;
   const std::vector<int> views = solution.estimate.ValidViews(clip_.first);
   if (views.size() == 2) other_view_ = views[0] == view ? views[1] : views[0];
-  most_ = std::min(kMostOffset, (clip_.count - kLeastOffsetFrames) / 2);
+  most_ = std::min(kMaxOffset, (clip_.count - kMinOffsetFrames) / 2);
   if (most_ < 1) return;
   costs_.resize(static_cast<std::size_t>(2 * most_ + 1));
   // Frames that have all their neighbours.
@@ -206,7 +206,7 @@ double Mean(const std::vector<double>& values) {
 }
 
 OffsetEstimate OffsetSearch::Best(bool refine) const {
-  if (static_cast<int>(frames_.size()) < kLeastOffsetFrames) return {};
+  if (static_cast<int>(frames_.size()) < kMinOffsetFrames) return {};
   const auto here = static_cast<std::size_t>(most_);
   std::size_t best = here;
   for (std::size_t i = 0; i < costs_.size(); ++i) {

@@ -7,7 +7,7 @@
 namespace canonpose {
 
 /// Offsets of up to this many frames are found.
-inline constexpr int kMostOffset = 15;
+inline constexpr int kMaxOffset = 15;
 
 /// The time offset in frames at which a view of static cameras fits the others best in a clip, 0 where no other one is
 /// clearly better. `gain` is how much less the mean cost of a keypoint is.

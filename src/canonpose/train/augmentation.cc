@@ -6,7 +6,7 @@
 namespace canonpose {
 namespace {
 
-constexpr std::size_t kMostJointsDropped = 4;
+constexpr std::size_t kMaxJointsDropped = 4;
 
 }  // namespace
 
@@ -35,7 +35,7 @@ void DropJoints(const Skeleton& skeleton, Rng& rng, const TrainingRow& row) {
     if (row.confidence[j] > 0.0F && static_cast<int>(j) != skeleton.root) seen.push_back(j);
   }
   std::size_t left = seen.size() + 1;
-  for (std::size_t wanted = 1 + rng.Index(kMostJointsDropped); wanted > 0 && 2 * (left - 1) >= joints; --wanted) {
+  for (std::size_t wanted = 1 + rng.Index(kMaxJointsDropped); wanted > 0 && 2 * (left - 1) >= joints; --wanted) {
     const std::size_t chosen = rng.Index(seen.size());
     const std::size_t joint = seen[chosen];
     seen.erase(seen.begin() + static_cast<std::ptrdiff_t>(chosen));
@@ -53,7 +53,7 @@ void DropJoints(const Skeleton& skeleton, Rng& rng, const TrainingRow& row) {
 InputForm InputFormOf(const TrainOptions& options) { return {options.ray, options.focal, options.input_confidences}; }
 
 RowForm RowFormOf(const TrainOptions& options) {
-  const TrainingTarget target = TargetNamed(options.supervision);
+  const TrainingTarget target = ParseTrainingTarget(options.supervision);
   const bool weights = target == TrainingTarget::kSolved && options.uncertainty_weights == "on";
   return {target, InputFormOf(options), weights};
 }

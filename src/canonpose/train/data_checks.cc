@@ -38,7 +38,7 @@ bool AnyView(const TrainJob& job, Predicate predicate) {
 }
 
 void RequireTarget(const TrainJob& job) {
-  const TrainingTarget target = TargetNamed(job.options.supervision);
+  const TrainingTarget target = ParseTrainingTarget(job.options.supervision);
   if (target == TrainingTarget::kViews) return;
   const bool is_solved = target == TrainingTarget::kSolved;
   const std::string files = fmt::format("{}", fmt::join(job.data_files, ", "));
@@ -70,7 +70,7 @@ void RequireTarget(const TrainJob& job) {
 
 std::string FingerprintOf(const Dataset& dataset, const TrainOptions& options) {
   std::string text = fmt::format("{:016x}", dataset.Fingerprint());
-  const TrainingTarget target = TargetNamed(options.supervision);
+  const TrainingTarget target = ParseTrainingTarget(options.supervision);
   const bool sees_known_cameras = options.ray != "off" && options.focal == "known";
   if (target == TrainingTarget::kViews && !sees_known_cameras) return text;
   Fingerprint fingerprint;

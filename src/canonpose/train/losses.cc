@@ -255,7 +255,7 @@ torch::Tensor CameraLoss(const LifterOutput& output, const torch::Tensor& own, c
 
 }  // namespace
 
-Consistency ConsistencyNamed(const std::string& name) {
+Consistency ParseConsistency(const std::string& name) {
   CANONPOSE_CHECK(name == "mixing" || name == "equal_poses" || name == "equal_cameras", "{}", name);
   if (name == "equal_poses") return Consistency::kEqualPoses;
   return name == "equal_cameras" ? Consistency::kEqualCameras : Consistency::kMixing;

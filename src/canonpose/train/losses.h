@@ -85,7 +85,7 @@ enum class Consistency {
 };
 
 /// Of "mixing", "equal_poses" or "equal_cameras".
-Consistency ConsistencyNamed(const std::string& name);
+Consistency ParseConsistency(const std::string& name);
 
 /// The losses and their weighted sum; scalars. `camera` is 0 without camera pairs. With supervision there is `total`
 /// alone.

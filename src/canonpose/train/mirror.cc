@@ -12,8 +12,8 @@
 namespace canonpose {
 namespace {
 
-constexpr int kLeastClips = 4;
-constexpr std::size_t kMostFrames = 20000;
+constexpr int kMinClips = 4;
+constexpr std::size_t kMaxFrames = 20000;
 constexpr std::int64_t kChunkFrames = 1024;
 
 /// Adds the pairs of a chunk of frames to the regressions of their clips.
@@ -60,12 +60,12 @@ void AddChunk(LiftingNetwork& lifter, const TrainingSet& set, const std::vector<
 
 }  // namespace
 
-double PerspectiveSlope::sureness() const {
+double PerspectiveSlope::standard_errors() const {
   if (clips < 2 || !(standard_error > 0.0)) return 0.0;
   return std::abs(slope) / standard_error;
 }
 
-bool PerspectiveSlope::is_sure() const { return clips >= kLeastClips && sureness() >= kSure; }
+bool PerspectiveSlope::is_sure() const { return clips >= kMinClips && standard_errors() >= kSure; }
 
 std::string PerspectiveSlope::Describe() const {
   return fmt::format("slope {:+.3f} +- {:.3f} over {} clips", slope, standard_error, clips);
@@ -103,7 +103,7 @@ PerspectiveSlope MeasurePerspectiveSlope(LiftingNetwork& lifter, const TrainingS
                                          torch::Device device) {
   const torch::NoGradGuard no_grad;
   // Every n-th frame of a long set is enough.
-  const std::size_t stride = set.frames.size() / kMostFrames + 1;
+  const std::size_t stride = set.frames.size() / kMaxFrames + 1;
   std::map<int, SlopeRegression> regressions;
   std::vector<const TrainingFrame*> chunk;
   for (std::size_t n = 0; n < set.frames.size(); n += stride) {
@@ -136,15 +136,15 @@ bool UpdateMirrorDecision(const PerspectiveSlope& slope, const std::string& wish
   if (!slope.is_sure()) {
     decision = {"undecided", slope.slope, slope.standard_error};
     const std::string reason =
-        slope.clips < kLeastClips
+        slope.clips < kMinClips
             ? fmt::format(
                   "{} clips are too few to tell the pose from its depth mirror ({}; {} clips are needed); "
                   "record more",
-                  slope.clips, slope.Describe(), kLeastClips)
+                  slope.clips, slope.Describe(), kMinClips)
             : fmt::format(
                   "perspective is too weak to tell the pose from its depth mirror ({}, {:.1f} standard errors; "
                   "{} are needed), or training found no good solution; try another --seed",
-                  slope.Describe(), slope.sureness(), PerspectiveSlope::kSure);
+                  slope.Describe(), slope.standard_errors(), PerspectiveSlope::kSure);
     LogWarning("mirror: {}, or look at the poses and train again with --mirror keep or --mirror flip", reason);
     return false;
   }
@@ -154,7 +154,7 @@ bool UpdateMirrorDecision(const PerspectiveSlope& slope, const std::string& wish
   const char* what = "right, so kept";
   if (decided_before) what = "confirmed after training";
   if (slope.is_mirrored()) what = "mirrored, so flipped";
-  LogInfo("mirror: {} ({}, {:.1f} standard errors; negative is right)", what, slope.Describe(), slope.sureness());
+  LogInfo("mirror: {} ({}, {:.1f} standard errors; negative is right)", what, slope.Describe(), slope.standard_errors());
   return slope.is_mirrored();
 }
 

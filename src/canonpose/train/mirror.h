@@ -24,7 +24,7 @@ struct PerspectiveSlope {
   int clips = 0;
 
   /// |slope| in standard errors.
-  [[nodiscard]] double sureness() const;
+  [[nodiscard]] double standard_errors() const;
   /// Whether the slope tells the mirror at all: at least `kSure` standard errors from zero, from at least four clips.
   [[nodiscard]] bool is_sure() const;
   [[nodiscard]] bool is_mirrored() const { return slope > 0.0; }

@@ -51,7 +51,7 @@ Eigen::Vector2d ProjectTruth(const CameraView& view, int frame, std::size_t inde
       {view.truth[3 * index], view.truth[3 * index + 1], view.truth[3 * index + 2]});
 }
 
-const CameraView& CameraNamed(const Sequence& sequence, const std::string& name, const std::string& file) {
+const CameraView& FindCamera(const Sequence& sequence, const std::string& name, const std::string& file) {
   const auto found = std::ranges::find(sequence.cameras, name, &CameraView::name);
   if (found == sequence.cameras.end()) {
     ThrowBadInput({file, sequence.name, fmt::format("camera {}", name), "none of that name",
@@ -97,7 +97,7 @@ void AddPairsOfDatasets(const Dataset& detected, const std::string& detected_fil
                      "give the same recording with its true keypoints"});
     }
     for (const CameraView& view : sequence.cameras) {
-      const CameraView& truth = CameraNamed(*found, view.name, exact_file);
+      const CameraView& truth = FindCamera(*found, view.name, exact_file);
       const auto true_pixel = [&](int t, int j) {
         const std::size_t i = static_cast<std::size_t>(t) * joints + static_cast<std::size_t>(j);
         if (!(truth.confidence[i] > 0.0F)) return Eigen::Vector2d::Constant(kNaN).eval();

@@ -32,7 +32,7 @@ using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 /// Fewer poses than this teach nothing of other people.
-constexpr std::size_t kLeastPairs = 100;
+constexpr std::size_t kMinPairs = 100;
 
 class MorphRun {
  public:
@@ -238,9 +238,9 @@ MorphReport TrainMorph(const MorphJob& job) {
   RequireDevice(job.options.device);
   SetThreadCount(job.options.threads);
   WarnAboutSlowLinearAlgebra();
-  if (job.pairs.count() < kLeastPairs) {
+  if (job.pairs.count() < kMinPairs) {
     ThrowComputation("{} pairs of a detected and a true 2D pose are too few to learn from: {} are needed",
-                     job.pairs.count(), kLeastPairs);
+                     job.pairs.count(), kMinPairs);
   }
   PrepareRunFolder(job.run_folder, job.resume, job.overwrite);
   MorphRun run(job);

@@ -14,7 +14,7 @@ namespace canonpose {
 namespace {
 
 /// The x axes of two cameras must be 20 degrees apart: tan(10 degrees) squared.
-constexpr double kLeastSpread = 0.031;
+constexpr double kMinSpread = 0.031;
 constexpr double kTiltAndRollRad = 5.0 * std::numbers::pi / 180.0;
 constexpr double kLogDistance = 0.15;
 
@@ -67,7 +67,7 @@ std::optional<Eigen::Vector3d> EstimateDown(const std::vector<Eigen::Matrix3d>& 
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments);
   const Eigen::Vector3d& spread = solver.eigenvalues();  // ascending
-  if (!(spread[1] > kLeastSpread * spread[2])) return std::nullopt;
+  if (!(spread[1] > kMinSpread * spread[2])) return std::nullopt;
   const Eigen::Vector3d down = solver.eigenvectors().col(0);
   return down.dot(y_sum) < 0.0 ? -down : down;
 }

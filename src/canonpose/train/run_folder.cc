@@ -50,10 +50,10 @@ void DropLaterMetrics(const fs::path& path, std::int64_t step, int restarts_fini
   WriteFileAtomically(path, kept);
 }
 
-std::string KeepLastGoodModel(const fs::path& folder, const std::vector<std::string>& not_the_networks) {
+std::string KeepLastGoodModel(const fs::path& folder, const std::vector<std::string>& other_parameters) {
   if (!fs::exists(folder / "checkpoint.h5")) return "no good model was made";
   Checkpoint last_good = ReadCheckpoint(folder / "checkpoint.h5");
-  for (const std::string& name : not_the_networks) last_good.parameters.erase(name);
+  for (const std::string& name : other_parameters) last_good.parameters.erase(name);
   const fs::path model = folder / "model.cpm";
   if (last_good.info.steps > 0 || !fs::exists(model)) WriteModelFile(model, {last_good.info, last_good.parameters});
   return fmt::format("the last good model, of step {}, is in {}", last_good.info.steps, model.string());

@@ -17,8 +17,8 @@ void PrepareRunFolder(const std::filesystem::path& folder, bool resume, bool ove
 void DropLaterMetrics(const std::filesystem::path& path, std::int64_t step, int restarts_finished);
 
 /// Makes model.cpm of the checkpoint, where there is one, and says so: "the last good model, of step 7, is in ...". An
-/// untrained network is no reason to replace a model that an earlier run left there. `not_the_networks`: parameters of
+/// untrained network is no reason to replace a model that an earlier run left there. `other_parameters`: parameters of
 /// the checkpoint that a model has not.
-std::string KeepLastGoodModel(const std::filesystem::path& folder, const std::vector<std::string>& not_the_networks);
+std::string KeepLastGoodModel(const std::filesystem::path& folder, const std::vector<std::string>& other_parameters);
 
 }  // namespace canonpose

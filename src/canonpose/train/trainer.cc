@@ -233,7 +233,7 @@ Losses TrainingRun::LossesOfViews(BatchTensors& batch, const BatchPairs& pairs, 
   const LifterOutput output = network_->forward(LifterInput(batch));
   if (options_.loss_confidences == "off") WeighSeenJointsAlike(batch);
   return ComputeLosses(output, batch, pairs, weights, PerspectiveInLosses(), root_,
-                       ConsistencyNamed(options_.consistency));
+                       ParseConsistency(options_.consistency));
 }
 
 void TrainingRun::TakeStep() {

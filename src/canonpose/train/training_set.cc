@@ -154,7 +154,7 @@ std::size_t MostCameras(const std::vector<Dataset>& datasets) {
 
 }  // namespace
 
-TrainingTarget TargetNamed(const std::string& supervision) {
+TrainingTarget ParseTrainingTarget(const std::string& supervision) {
   if (supervision == "truth") return TrainingTarget::kTruth;
   return supervision == "solved" || supervision == "triangulated" ? TrainingTarget::kSolved : TrainingTarget::kViews;
 }

@@ -77,7 +77,7 @@ enum class TrainingTarget {
 };
 
 /// Of "none", "truth", "solved" or "triangulated", as the option `supervision` has it.
-TrainingTarget TargetNamed(const std::string& supervision);
+TrainingTarget ParseTrainingTarget(const std::string& supervision);
 
 /// The poses of a view that are to be learnt, (T, J, 3), and the cameras that belong to them; empty where there are
 /// none.

@@ -25,7 +25,7 @@ constexpr double kLongestLegMm = 1300.0;
 /// A leg bent by less than this share of its length does not tell to which side it bends.
 constexpr double kBent = 0.01;
 constexpr int kFewestFrames = 5;
-constexpr double kMostFrames = 0.75;
+constexpr double kMaxFrames = 0.75;
 
 /// Joints of one pose by what they are.
 class Pose {
@@ -87,14 +87,14 @@ std::optional<bool> IsSwapped(const Skeleton& layout, const std::vector<float>& 
   }
   const int total = ahead + behind;
   if (total < kFewestFrames) return std::nullopt;
-  if (ahead >= kMostFrames * total) return false;
-  if (behind >= kMostFrames * total) return true;
+  if (ahead >= kMaxFrames * total) return false;
+  if (behind >= kMaxFrames * total) return true;
   return std::nullopt;
 }
 
 }  // namespace
 
-PoseUnit TellUnit(const Skeleton& layout, const std::vector<float>& poses, const std::string& file,
+PoseUnit DetectUnit(const Skeleton& layout, const std::vector<float>& poses, const std::string& file,
                   const std::string& place) {
   std::vector<double> lengths;
   for (const Pose& pose : SomePoses(layout, poses)) {

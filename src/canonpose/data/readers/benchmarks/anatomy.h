@@ -16,7 +16,7 @@ struct PoseUnit {
 
 /// The unit of poses (T, J, 3) in joints of `layout`, by the length of legs: 300 to 1300 mm. NaN where unknown. Throws
 /// Error(kBadInput) naming file and place where no unit makes them human.
-PoseUnit TellUnit(const Skeleton& layout, const std::vector<float>& poses, const std::string& file,
+PoseUnit DetectUnit(const Skeleton& layout, const std::vector<float>& poses, const std::string& file,
                   const std::string& place);
 
 /// Says which unit `what` is in, and warns where it is not the mm that it should be.

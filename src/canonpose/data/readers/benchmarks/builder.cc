@@ -68,7 +68,7 @@ void PreferOwnJoints(LayoutMapping& mapping) {
   }
 }
 
-const Skeleton& TargetNamed(const Skeleton& layout, const std::string& skeleton) {
+const Skeleton& ParseTrainingTarget(const Skeleton& layout, const std::string& skeleton) {
   if (skeleton == "native") return layout;
   const Skeleton* const target = FindSkeleton(skeleton);
   return target == nullptr ? BenchmarkLayout(skeleton) : *target;
@@ -83,7 +83,7 @@ void ChooseCameras(Sequence& sequence, const std::vector<std::string>& wanted, c
     ThrowBadInput({file, sequence.name, fmt::format("camera {}, as --cameras says", name),
                    fmt::format("{}", fmt::join(names, ", ")), "name cameras that are there"});
   }
-  KeepCamerasNamed(sequence, wanted);
+  KeepCameras(sequence, wanted);
 }
 
 std::string Count(std::size_t count, const char* what) {
@@ -101,14 +101,14 @@ const Skeleton& BenchmarkLayout(const std::string& name) {
 }
 
 LayoutMapping MapBenchmark(const Skeleton& layout, const std::string& skeleton) {
-  LayoutMapping mapping = MapWhatCanBe(layout, TargetNamed(layout, skeleton));
+  LayoutMapping mapping = MapWhatCanBe(layout, ParseTrainingTarget(layout, skeleton));
   PreferOwnJoints(mapping);
   const bool is_whole = std::none_of(mapping.joints.begin(), mapping.joints.end(),
                                      [](const JointSource& joint) { return joint.sources.empty(); });
   return is_whole ? mapping : MapLayout(layout, mapping.target);  // which says what is missing
 }
 
-std::vector<fs::path> FilesNamed(const std::string& name, const std::vector<fs::path>& paths) {
+std::vector<fs::path> FindFiles(const std::string& name, const std::vector<fs::path>& paths) {
   std::vector<fs::path> files;
   for (const fs::path& path : paths) {
     std::error_code error;

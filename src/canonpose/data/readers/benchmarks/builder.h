@@ -23,7 +23,7 @@ LayoutMapping MapBenchmark(const Skeleton& layout, const std::string& skeleton);
 
 /// The paths, with the files of this name that lie in a folder, or in folders within it, in its place; by name. Throws
 /// Error(kBadInput) where a folder has none.
-std::vector<std::filesystem::path> FilesNamed(const std::string& name, const std::vector<std::filesystem::path>& paths);
+std::vector<std::filesystem::path> FindFiles(const std::string& name, const std::vector<std::filesystem::path>& paths);
 
 /// Gathers a benchmark's sequences in the joints that its files have into a dataset in those that are wanted.
 class BenchmarkBuilder {

@@ -328,7 +328,7 @@ class Human36mImporter {
       }
     }
     const Skeleton& h36m = BenchmarkLayout("h36m-17");
-    const PoseUnit unit = TellUnit(h36m, kept, file, found->place());
+    const PoseUnit unit = DetectUnit(h36m, kept, file, found->place());
     if (unit.name != unit_.name || unit_.leg_mm == 0.0) {
       LogInfo("3D poses are in {}: legs are {:.0f} mm long", unit.name, unit.leg_mm);
     }

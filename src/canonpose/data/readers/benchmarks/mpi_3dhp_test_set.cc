@@ -144,7 +144,7 @@ class TestSetImporter {
   Dataset Run() {
     const Skeleton& layout = BenchmarkLayout("3dhp-17");
     BenchmarkBuilder builder(options_, layout, layout, "h36m-17");
-    for (const fs::path& path : FilesNamed("annot_data.mat", options_.paths)) builder.Add(ReadSequence(path), path);
+    for (const fs::path& path : FindFiles("annot_data.mat", options_.paths)) builder.Add(ReadSequence(path), path);
     LogInfo("truth is {}{}; the annotations have no confidences: all are 1", truth_,
             truth_ == "annot3" ? ", the poses as they were; published results compare with univ_annot3"
                                : ", scaled to one height, which published results compare with (annot3: as they were)");
@@ -185,7 +185,7 @@ class TestSetImporter {
 
   CameraView MakeView(const std::vector<double>& keypoints, const std::vector<double>& poses,
                       const std::array<int, 2>& image_size, const fs::path& path) const {
-    const PoseUnit unit = TellUnit(BenchmarkLayout("3dhp-17"), ToFloats(poses), path.string(), truth_);
+    const PoseUnit unit = DetectUnit(BenchmarkLayout("3dhp-17"), ToFloats(poses), path.string(), truth_);
     ReportUnit(unit, fmt::format("{}: {}", path.string(), truth_));
     CameraView view;
     view.name = "camera";

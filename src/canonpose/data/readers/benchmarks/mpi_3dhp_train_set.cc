@@ -123,7 +123,7 @@ std::vector<CalibratedView> ReadTrainRig(const fs::path& path) {
 // ----------------------------------------------------------------------------------------------------- annotations
 
 /// The last folder that is `letters` and a number, "Seq2"; empty where there is none.
-std::string FolderNamed(const fs::path& path, const std::string& letters) {
+std::string FindFolder(const fs::path& path, const std::string& letters) {
   std::string found;
   for (const fs::path& part : fs::absolute(path).parent_path()) {
     const std::string name = part.string();
@@ -159,7 +159,7 @@ class TrainSetImporter {
  public:
   explicit TrainSetImporter(const BenchmarkOptions& options)
       : options_(options),
-        files_(FilesNamed("annot.mat", options.paths)),
+        files_(FindFiles("annot.mat", options.paths)),
         truth_(options.truth.empty() ? "annot3" : options.truth) {
     if (options.calibration.empty()) return;
     if (files_.size() > 1) {
@@ -194,8 +194,8 @@ class TrainSetImporter {
       file.Fail(truth_, fmt::format("{} frames as in annot2", frames), fmt::format("{}", poses.front().rows));
     }
     Sequence sequence;
-    const std::string subject = FolderNamed(path, "S");
-    const std::string part = FolderNamed(path, "Seq");
+    const std::string subject = FindFolder(path, "S");
+    const std::string part = FindFolder(path, "Seq");
     sequence.subject = subject.empty() ? path.stem().string() : subject;
     sequence.name = part.empty() ? sequence.subject : fmt::format("{} {}", sequence.subject, part);
     sequence.capture = sequence.name;  // each has a calibration of its own
@@ -224,7 +224,7 @@ class TrainSetImporter {
   }
 
   double Scale(const Matrix& poses, const fs::path& path) {
-    const PoseUnit unit = TellUnit(BenchmarkLayout("3dhp-28"), ToFloats(poses.values), path.string(), truth_);
+    const PoseUnit unit = DetectUnit(BenchmarkLayout("3dhp-28"), ToFloats(poses.values), path.string(), truth_);
     ReportUnit(unit, fmt::format("{}: {}", path.string(), truth_));
     return unit.mm_per_unit;
   }

@@ -50,8 +50,8 @@ ElementType ParseType(std::string_view text, const Where& where) {
 std::vector<std::size_t> ParseShape(const Node& node, const Where& where) {
   std::vector<std::size_t> shape;
   if (node.kind == Kind::kInteger && node.integer >= 0) return {static_cast<std::size_t>(node.integer)};
-  constexpr std::size_t kMostDimensions = 32;
-  if (node.kind != Kind::kTuple || node.items.size() > kMostDimensions) where.FailDamaged("an array without its shape");
+  constexpr std::size_t kMaxDimensions = 32;
+  if (node.kind != Kind::kTuple || node.items.size() > kMaxDimensions) where.FailDamaged("an array without its shape");
   for (const Node* size : node.items) {
     if (size->kind != Kind::kInteger || size->integer < 0) where.FailDamaged("an array whose shape is no numbers");
     shape.push_back(static_cast<std::size_t>(size->integer));

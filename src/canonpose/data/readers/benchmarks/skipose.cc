@@ -217,7 +217,7 @@ double ErrorPx(const Row& row, const Points& points) {
   return Median(std::move(distances));
 }
 
-const Frame& TellFrame(const LabelsFile& file) {
+const Frame& DetectFrame(const LabelsFile& file) {
   constexpr std::size_t kEnough = 200;
   const std::size_t stride = std::max<std::size_t>(1, file.size() / kEnough);
   std::array<double, kFrames.size()> errors_px{};
@@ -357,9 +357,9 @@ class SkiPoseImporter {
     LabelsFile file(path);
     const Skeleton& layout = BenchmarkLayout("h36m-17");
     const std::vector<float> poses = ToFloats(file.poses());
-    const PoseUnit unit = TellUnit(layout, poses, path.string(), "/3D");
+    const PoseUnit unit = DetectUnit(layout, poses, path.string(), "/3D");
     LogInfo("{}: 3D is in {}, as legs are {:.0f} mm long", path.string(), unit.name, unit.leg_mm);
-    const Frame& frame = TellFrame(file);
+    const Frame& frame = DetectFrame(file);
     if (!frame.is_world) CheckRotations(file, unit.mm_per_unit);
     RenameLegs(file, frame);
     std::map<Key, std::map<int, std::map<int, Row>>> sequences;  // by camera and frame

@@ -21,7 +21,6 @@
 #include "canonpose/base/nearest_name.h"
 #include "canonpose/base/progress.h"
 #include "canonpose/base/random.h"
-#include "canonpose/base/terminal_testing.h"
 #include "canonpose/base/testing.h"
 
 namespace canonpose {
@@ -30,10 +29,7 @@ namespace {
 using ::testing::AllOf;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
-using testing::Lasting;
 using ::testing::Not;
-using testing::Output;
-using testing::SaidTo;
 using testing::TemporaryFolder;
 
 TEST(Error, BadInputIsOneLineWithAllParts) {
@@ -118,7 +114,7 @@ TEST(AtomicFile, LeavesNothingBehindWithoutCommit) {
 }
 
 TEST(AtomicFile, MissingFolderIsOneLine) {
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [] { WriteFileAtomically("/nonexistent/a", ""); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { WriteFileAtomically("/nonexistent/a", ""); }),
               AllOf(HasSubstr("/nonexistent/a"), HasSubstr("No such file or directory")));
 }
 
@@ -132,7 +128,7 @@ TEST(AtomicFile, FullDiskKeepsTheOldFile) {
   const rlimit limit{1000, old_limit.rlim_max};
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
   const std::string message =
-      ErrorOf(ExitCode::kBadInput, [&] { WriteFileAtomically(folder / "a", std::string(5000, 'x')); });
+      ErrorOf(ErrorKind::kBadInput, [&] { WriteFileAtomically(folder / "a", std::string(5000, 'x')); });
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &old_limit), 0);
   EXPECT_THAT(message, HasSubstr("free some space"));
   EXPECT_EQ(ReadFile(folder / "a"), "old");
@@ -155,7 +151,7 @@ TEST(AtomicFile, WritesToWhatALinkPointsTo) {
   EXPECT_EQ(ReadFile(folder / "below/b"), "first");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder / "below"), {}), 2);
   fs::create_symlink("circle", folder / "circle");
-  ErrorOf(ExitCode::kBadInput, [&] { WriteFileAtomically(folder / "circle", ""); });
+  ErrorOf(ErrorKind::kBadInput, [&] { WriteFileAtomically(folder / "circle", ""); });
 }
 
 TEST(AtomicFile, PipesAndDevicesAreWrittenToAndNeverReplaced) {
@@ -170,65 +166,33 @@ TEST(AtomicFile, PipesAndDevicesAreWrittenToAndNeverReplaced) {
   ::close(reader);
   EXPECT_STREQ(buffer, "hello");
   EXPECT_TRUE(fs::is_fifo(folder / "pipe"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { AtomicFile file(folder / "pipe"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { AtomicFile file(folder / "pipe"); }),
               HasSubstr("expected a regular file or a new one"));
   // A link stands for the device, so that a fault here would not replace the machine's own.
   fs::create_symlink("/dev/null", folder / "null");
   WriteFileAtomically(folder / "null", "gone");
   EXPECT_TRUE(fs::is_symlink(folder / "null"));
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { AtomicFile file(folder / "null"); }), HasSubstr("device"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { WriteFileAtomically(folder.path(), ""); }), HasSubstr("directory"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { AtomicFile file(folder / "null"); }), HasSubstr("device"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { WriteFileAtomically(folder.path(), ""); }), HasSubstr("directory"));
 }
 
 TEST(AtomicFile, TooLongNamesAreOneLine) {
   const TemporaryFolder folder;
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { WriteFileAtomically(folder / std::string(300, 'x'), ""); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { WriteFileAtomically(folder / std::string(300, 'x'), ""); }),
               HasSubstr("File name too long"));
 }
 
 TEST(MakeDirectory, RefusesAFileInTheWay) {
   const TemporaryFolder folder;
   WriteFileAtomically(folder / "a", "");
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { MakeDirectory(folder / "a"); }), HasSubstr("/a"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { MakeDirectory(folder / "a"); }), HasSubstr("/a"));
 }
 
 TEST(FormatDuration, ChoosesTheUnit) {
   EXPECT_EQ(FormatDuration(12.4), "12 s");
   EXPECT_EQ(FormatDuration(185), "3 min 05 s");
   EXPECT_EQ(FormatDuration(3720), "1 h 02 min");
-}
-
-TEST(Progress, LeavesTheSameLinesOnATerminalAndInAPipe) {
-  const auto work = [] {
-    LogInfo("begin");
-    {
-      Progress progress("step", 3, 0, std::chrono::seconds(0));  // every line lasts
-      for (long done = 1; done <= 3; ++done) progress.Update(done, "loss 0.5");
-    }
-    LogWarning("end");
-  };
-  // Speeds differ.
-  const auto masked = [](const std::string& said) {
-    return std::regex_replace(Lasting(said), std::regex(R"(  [0-9.]+/s  .* left)"), "  SPEED");
-  };
-  EXPECT_EQ(masked(SaidTo(Output::kPipe, work)),
-            "begin\nstep 1/3  loss 0.5  SPEED\nstep 2/3  loss 0.5  SPEED\nstep 3/3  loss 0.5  SPEED\nwarning: end\n");
-  EXPECT_EQ(masked(SaidTo(Output::kTerminal, work)), masked(SaidTo(Output::kPipe, work)));
-}
-
-TEST(Progress, MovesInPlaceOnATerminalAlone) {
-  const auto work = [] {
-    Progress progress("step", 3);
-    progress.Update(1, "soon");
-    std::this_thread::sleep_for(std::chrono::milliseconds(250));
-    EXPECT_EQ(progress.IsDue(), isatty(STDERR_FILENO) == 1);
-    progress.Update(2, "later");
-  };
-  EXPECT_EQ(SaidTo(Output::kPipe, work), "");
-  const std::string said = SaidTo(Output::kTerminal, work);
-  EXPECT_THAT(said, AllOf(HasSubstr("step 2/3  later"), Not(HasSubstr("soon")), Not(HasSubstr("\n"))));
-  EXPECT_EQ(Lasting(said), "");
 }
 
 TEST(NearestName, FindsSlipsAndBeginningsAndNothingElse) {

@@ -1,7 +1,6 @@
 #include "canonpose/base/error.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace canonpose {
 
@@ -22,12 +21,12 @@ std::string FormatBadInput(const BadInput& bad_input) {
   return text;
 }
 
-void ThrowBadInput(const BadInput& bad_input) { throw Error(ExitCode::kBadInput, FormatBadInput(bad_input)); }
+void ThrowBadInput(const BadInput& bad_input) { throw Error(ErrorKind::kBadInput, FormatBadInput(bad_input)); }
 
 namespace internal {
 void CheckFailed(const char* file, int line, const char* condition, const std::string& message) {
-  fmt::print(stderr, "{}:{}: check failed: {}{}{}\n", file, line, condition, message.empty() ? "" : ": ", message);
-  std::abort();
+  throw std::logic_error(
+      fmt::format("{}:{}: check failed: {}{}{}", file, line, condition, message.empty() ? "" : ": ", message));
 }
 }  // namespace internal
 

@@ -1,4 +1,7 @@
-// Failures that a user can do something about: one exception type, one line of text, one exit code.
+// Failures that a caller can do something about: one exception type, its kind, one line of text.
+//
+// Messages are read by users of the command line and by those of the library, so they call an option by the name of
+// its field, in backquotes: "give `image_size`". The command line replaces it by the option that sets the field.
 #pragma once
 
 #include <stdexcept>
@@ -9,22 +12,22 @@
 
 namespace canonpose {
 
-/// Exit codes of the command line, a contract with callers.
-enum class ExitCode {
-  kDone = 0,
-  kUsage = 2,        ///< the command line is wrong
-  kBadInput = 3,     ///< a file cannot be what it should be, or cannot be read or written
-  kComputation = 4,  ///< the computation failed: diverged, too few views, ...
+enum class ErrorKind {
+  kInvalidArgument,  ///< an option or a combination of options makes no sense
+  kBadInput,         ///< a file is not what it should be, or cannot be read or written
+  kComputation,      ///< the computation failed: it diverged, too few views, ...
+  kStopped,          ///< the caller asked work to stop that cannot be continued later (Callbacks::stop)
 };
 
-/// A failure told to the user in one line. Programmer faults are CANONPOSE_CHECKs instead.
+/// A failure that the user can act on, described in one line. A fault in this library is a std::logic_error
+/// (CANONPOSE_CHECK).
 class Error : public std::runtime_error {
  public:
-  Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
-  [[nodiscard]] ExitCode code() const { return code_; }
+  Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
+  [[nodiscard]] ErrorKind kind() const { return kind_; }
 
  private:
-  ExitCode code_;
+  ErrorKind kind_;
 };
 
 /// What is wrong with an input. Empty parts are left out of the message.
@@ -39,19 +42,19 @@ struct BadInput {
 /// "FILE: PLACE: expected EXPECTED, found FOUND; ADVICE", always one line.
 std::string FormatBadInput(const BadInput& bad_input);
 
-/// Throws Error with ExitCode::kBadInput and the text of FormatBadInput().
+/// Throws Error(kBadInput) with the text of FormatBadInput().
 [[noreturn]] void ThrowBadInput(const BadInput& bad_input);
 
-/// Throws Error with ExitCode::kUsage.
+/// Throws Error(kInvalidArgument).
 template <typename... Args>
-[[noreturn]] void ThrowUsage(fmt::format_string<Args...> format, Args&&... args) {
-  throw Error(ExitCode::kUsage, fmt::format(format, std::forward<Args>(args)...));
+[[noreturn]] void ThrowInvalidArgument(fmt::format_string<Args...> format, Args&&... args) {
+  throw Error(ErrorKind::kInvalidArgument, fmt::format(format, std::forward<Args>(args)...));
 }
 
-/// Throws Error with ExitCode::kComputation.
+/// Throws Error(kComputation).
 template <typename... Args>
 [[noreturn]] void ThrowComputation(fmt::format_string<Args...> format, Args&&... args) {
-  throw Error(ExitCode::kComputation, fmt::format(format, std::forward<Args>(args)...));
+  throw Error(ErrorKind::kComputation, fmt::format(format, std::forward<Args>(args)...));
 }
 
 namespace internal {
@@ -60,7 +63,8 @@ namespace internal {
 
 }  // namespace canonpose
 
-/// Aborts with file, line, the condition and a formatted message that should print the values compared.
+/// Throws std::logic_error with file, line, the condition and a formatted message, which should contain the values
+/// compared.
 #define CANONPOSE_CHECK(condition, ...)                                                                \
   do {                                                                                                 \
     if (!(condition)) {                                                                                \

@@ -69,11 +69,13 @@ TEST(Hdf5, MissingThingsNameFileAndPlace) {
   const TemporaryFolder folder;
   WriteExample(folder / "a.h5");
   File file = File::OpenForReading(folder / "a.h5");
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)file.root().Open("other"); }), HasSubstr("a.h5: /other"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)file.root().Open("group").Read<float>("x"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)file.root().Open("other"); }), HasSubstr("a.h5: /other"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)file.root().Open("group").Read<float>("x"); }),
               HasSubstr("/group/x: expected an array, found nothing"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)file.root().GetInt("format"); }), HasSubstr("attribute format"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)file.root().GetString("version"); }), HasSubstr("another type"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)file.root().GetInt("format"); }),
+              HasSubstr("attribute format"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)file.root().GetString("version"); }),
+              HasSubstr("another type"));
 }
 
 /// An attribute as the library writes it from one value of a native type.
@@ -92,14 +94,14 @@ TEST(Hdf5, WholeNumbersAreNotCutToFit) {
   const auto read = [&] { return File::OpenForReading(folder / "a.h5").root().GetInt("x"); };
   for (const double value : {1.9, 1e300, -1e19, double{NAN}}) {
     WriteRaw(folder / "a.h5", H5T_NATIVE_DOUBLE, &value);
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, read), HasSubstr("attribute x: expected whole numbers, found")) << value;
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, read), HasSubstr("attribute x: expected whole numbers, found")) << value;
   }
   const double whole = -3.0;
   WriteRaw(folder / "a.h5", H5T_NATIVE_DOUBLE, &whole);
   EXPECT_EQ(read(), -3);
   const std::uint64_t large = 1ULL << 63;
   WriteRaw(folder / "a.h5", H5T_NATIVE_UINT64, &large);
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, read), HasSubstr("found 9223372036854775808"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, read), HasSubstr("found 9223372036854775808"));
   const std::uint64_t small = 7;
   WriteRaw(folder / "a.h5", H5T_NATIVE_UINT64, &small);
   EXPECT_EQ(read(), 7);
@@ -147,7 +149,8 @@ TEST(Hdf5, TextsAreWrittenWithAVariableLengthAndBothKindsAreRead) {
 TEST(Hdf5, PathsThatCannotBeLookedAtAreOneLine) {
   const std::filesystem::path path = "/tmp/" + std::string(300, 'x');
   EXPECT_FALSE(File::IsHdf5(path));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)File::OpenForReading(path); }), HasSubstr("File name too long"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)File::OpenForReading(path); }),
+              HasSubstr("File name too long"));
 }
 
 TEST(Hdf5, EveryTruncationIsNoticed) {
@@ -156,7 +159,7 @@ TEST(Hdf5, EveryTruncationIsNoticed) {
   const std::string whole = ReadFile(folder / "a.h5");
   for (std::size_t size = 0; size < whole.size(); size += whole.size() / 23) {
     WriteFileAtomically(folder / "cut.h5", whole.substr(0, size));
-    ErrorOf(ExitCode::kBadInput, [&] { (void)File::OpenForReading(folder / "cut.h5"); });
+    ErrorOf(ErrorKind::kBadInput, [&] { (void)File::OpenForReading(folder / "cut.h5"); });
   }
 }
 
@@ -169,7 +172,7 @@ TEST(Hdf5, DamagedArrayIsNoticed) {
   bytes[place + 2] ^= 1;
   WriteFileAtomically(folder / "a.h5", bytes);
   File file = File::OpenForReading(folder / "a.h5");
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)file.root().Open("group").Read<float>("values"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)file.root().Open("group").Read<float>("values"); }),
               HasSubstr("damaged"));
 }
 
@@ -183,7 +186,7 @@ TEST(Hdf5, FullDiskKeepsTheOldFileAtEveryMoment) {
   for (rlim_t size = 0; size < old.size(); size += 1024) {
     const rlimit limit{size, unlimited.rlim_max};
     ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
-    const std::string message = ErrorOf(ExitCode::kBadInput, [&] { WriteExample(folder / "a.h5", 2000); });
+    const std::string message = ErrorOf(ErrorKind::kBadInput, [&] { WriteExample(folder / "a.h5", 2000); });
     ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &unlimited), 0);
     EXPECT_THAT(message, HasSubstr("a.h5")) << size;
     ASSERT_EQ(ReadFile(folder / "a.h5"), old) << size;

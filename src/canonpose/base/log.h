@@ -1,30 +1,28 @@
-// Messages to the person at the terminal: stderr, and a log file where one is open. Results go to stdout, never through
-// here.
+// Messages of the work in progress: they go to the caller (callbacks.h), and to a file where one is open.
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
-namespace canonpose {
+#include "canonpose/base/callbacks.h"
 
-/// One line at the given level; a terminal's progress line is cleared first.
-void LogInfoText(const std::string& text);
-void LogWarningText(const std::string& text);
+namespace canonpose {
 
 template <typename... Args>
 void LogInfo(fmt::format_string<Args...> format, Args&&... args) {
-  LogInfoText(fmt::format(format, std::forward<Args>(args)...));
+  internal::SendMessage(MessageLevel::kInfo, fmt::format(format, std::forward<Args>(args)...));
 }
 
 template <typename... Args>
 void LogWarning(fmt::format_string<Args...> format, Args&&... args) {
-  LogWarningText(fmt::format(format, std::forward<Args>(args)...));
+  internal::SendMessage(MessageLevel::kWarning, fmt::format(format, std::forward<Args>(args)...));
 }
 
-/// While it lives, every logged line is appended to `path` too, with the time.
+/// While it lives, the messages of this thread's work are appended to a file too, with the time.
 class LogFile {
  public:
   /// Throws Error(kBadInput) where the file cannot be opened.
@@ -32,9 +30,14 @@ class LogFile {
   ~LogFile();
   LogFile(const LogFile&) = delete;
   LogFile& operator=(const LogFile&) = delete;
-};
 
-/// Writes to the log file alone: what would be too much for the person at the terminal.
-void LogToFileOnly(const std::string& text);
+  /// Writes to the file alone: details that would be too much for the caller.
+  void Write(const std::string& text);
+
+ private:
+  struct Sink;
+  std::unique_ptr<Sink> sink_;
+  std::unique_ptr<CallbackScope> scope_;
+};
 
 }  // namespace canonpose

@@ -6,6 +6,8 @@
 #include <thread>
 #include <vector>
 
+#include "canonpose/base/callbacks.h"
+
 namespace canonpose {
 
 int ThreadsToUse(int asked) {
@@ -25,8 +27,14 @@ void InParallel(int count, int threads, const std::function<void(int)>& work) {
     }
   };
   {
+    internal::CallbackContext* const context = internal::CurrentContext();
     std::vector<std::jthread> workers;
-    for (int t = 1; t < std::min(threads, count); ++t) workers.emplace_back(run);
+    for (int t = 1; t < std::min(threads, count); ++t) {
+      workers.emplace_back([&] {
+        const internal::ContextOfThread callbacks(context);
+        run();
+      });
+    }
     run();
   }
   for (const std::exception_ptr& failure : failures) {

@@ -1,9 +1,10 @@
-// How far long work is: a lasting line now and then, the same on a terminal as anywhere else, so that what was said is
-// the same. On a terminal a line in place keeps moving in between.
+// How far long work has come, sent to the caller (callbacks.h) as often as a person can read it.
 #pragma once
 
 #include <chrono>
 #include <string>
+
+#include "canonpose/base/callbacks.h"
 
 namespace canonpose {
 
@@ -13,32 +14,27 @@ std::string FormatDuration(double seconds);
 class Progress {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::seconds kLastingPeriod{10};
+  static constexpr std::chrono::milliseconds kPeriod{200};
 
-  /// `total` steps are to come, `done` of which lie behind already (a resumed run), so that the speed is this run's
-  /// own. A lasting line comes every `lasting_period`.
-  Progress(std::string label, long total, long done = 0, Clock::duration lasting_period = kLastingPeriod);
-  /// Clears the line in place.
+  /// `total` steps in all, of which `done` lie behind already (a resumed run): they do not count in the speed.
+  Progress(std::string label, long total, long done = 0, Clock::duration period = kPeriod);
+  /// Tells the caller that the work has ended.
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Shows "LABEL  done/total  DETAIL  speed  time left" if it is time to; cheap enough to be called every step.
+  /// Sends the state if it is time to; cheap enough to be called every step.
   void Update(long done, const std::string& detail);
-  /// Whether the next Update() will show something, so that a costly `detail` need not be made otherwise.
+  /// Whether the next Update() will send something, so that a costly `detail` need not be made otherwise.
   [[nodiscard]] bool IsDue() const;
 
  private:
-  [[nodiscard]] std::string Describe(long done, const std::string& detail, Clock::time_point now) const;
-
-  std::string label_;
-  long total_;
+  ProgressState state_;
   long first_;
-  bool is_terminal_;
-  Clock::duration lasting_period_;
+  Clock::duration period_;
   Clock::time_point start_ = Clock::now();
-  Clock::time_point next_lasting_;
-  Clock::time_point next_in_place_;  ///< never, where there is no terminal
+  Clock::time_point next_;
+  bool has_sent_ = false;
 };
 
 }  // namespace canonpose

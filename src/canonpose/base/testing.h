@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "canonpose/base/callbacks.h"
 #include "canonpose/base/error.h"
 #include "canonpose/base/temporary_folder.h"
 
@@ -21,19 +22,38 @@ inline std::filesystem::path TestData(const std::string& name) {
 /// The data beside the checkout; see CANONPOSE_SKIP_WITHOUT_SHARED.
 inline std::filesystem::path Shared(const std::string& name) { return std::filesystem::path(CANONPOSE_SHARED) / name; }
 
-/// Runs `action` and returns the message of the Error it throws, after checking its exit code and that it is one line.
+/// Runs `action` and returns the message of the Error it throws, after checking its kind and that it is one line.
 template <typename Action>
-std::string ErrorOf(ExitCode code, Action&& action) {
+std::string ErrorOf(ErrorKind kind, Action&& action) {
   try {
     action();
   } catch (const Error& error) {
-    EXPECT_EQ(static_cast<int>(error.code()), static_cast<int>(code)) << error.what();
+    EXPECT_EQ(static_cast<int>(error.kind()), static_cast<int>(kind)) << error.what();
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
     return error.what();
   }
   ADD_FAILURE() << "no Error was thrown";
   return "";
 }
+
+/// Collects the messages of this thread's work while it lives, one line each; warnings begin with "warning: ".
+class CollectedMessages {
+ public:
+  CollectedMessages() : scope_(Collect()) {}
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  Callbacks Collect() {
+    Callbacks callbacks;
+    callbacks.message = [this](MessageLevel level, const std::string& text) {
+      text_ += (level == MessageLevel::kWarning ? "warning: " : "") + text + '\n';
+    };
+    return callbacks;
+  }
+
+  std::string text_;
+  CallbackScope scope_;
+};
 
 }  // namespace canonpose::testing
 

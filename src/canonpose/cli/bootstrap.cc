@@ -103,7 +103,7 @@ StartPoses BootstrapByMethod(const Dataset& dataset, const std::string& file, co
   job.resume = true;
   LogInfo("training a lifter on {} itself by the method, to start from", file);
   const TrainReport report = Train(job);
-  if (report.interrupted_by != 0) ThrowComputation("interrupted while training the lifter to start from");
+  if (report.stopped) throw Error(ErrorKind::kStopped, "stopped while training the lifter to start from");
   return LiftAll(PoseLifter::Open(job.run_folder, options.device), dataset, file);
 }
 

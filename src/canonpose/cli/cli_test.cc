@@ -19,9 +19,9 @@
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/hdf5.h"
 #include "canonpose/base/random.h"
-#include "canonpose/base/terminal_testing.h"
 #include "canonpose/base/testing.h"
 #include "canonpose/cli/program_testing.h"
+#include "canonpose/cli/terminal_testing.h"
 #include "canonpose/data/dataset.h"
 
 namespace canonpose {

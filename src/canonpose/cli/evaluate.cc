@@ -16,6 +16,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/cli/commands.h"
+#include "canonpose/cli/option_names.h"
 #include "canonpose/cli/evaluate_datasets.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/evaluate/archives.h"
@@ -63,14 +64,17 @@ DatasetEvaluation Job(const EvaluateArguments& arguments, FrameErrors* frame_err
 }
 
 EvaluationReport EvaluateArchivePair(const EvaluateArguments& arguments, FrameErrors* frame_errors) {
-  if (arguments.predictions.empty() || arguments.truth.empty()) ThrowUsage("--predictions and --truth go together");
-  if (!arguments.paths.empty()) ThrowUsage("give either --predictions and --truth, or a model and data");
-  if (arguments.triangulate) ThrowUsage("--triangulate is for datasets");
-  if (arguments.canonical) ThrowUsage("--canonical is for a model: poses alone do not tell their canonical form");
+  if (arguments.predictions.empty() || arguments.truth.empty())
+    ThrowInvalidArgument("--predictions and --truth go together");
+  if (!arguments.paths.empty()) ThrowInvalidArgument("give either --predictions and --truth, or a model and data");
+  if (arguments.triangulate) ThrowInvalidArgument("--triangulate is for datasets");
+  if (arguments.canonical)
+    ThrowInvalidArgument("--canonical is for a model: poses alone do not tell their canonical form");
   const Protocol& protocol = FindProtocol(arguments.protocol);
   if (protocol.name != kAllFrames) {
-    ThrowUsage("--protocol {}: archives of poses name neither subjects nor sequences, so that only {} makes sense",
-               protocol.name, kAllFrames);
+    ThrowInvalidArgument(
+        "--protocol {}: archives of poses name neither subjects nor sequences, so that only {} makes sense",
+        protocol.name, kAllFrames);
   }
   const FrameRange frames = arguments.frames.empty() ? FrameRange{} : FrameRange::Parse(arguments.frames);
   return EvaluateArchives(arguments.predictions, arguments.truth,
@@ -79,9 +83,9 @@ EvaluationReport EvaluateArchivePair(const EvaluateArguments& arguments, FrameEr
 
 EvaluationReport EvaluatePaths(const EvaluateArguments& arguments, FrameErrors* frame_errors) {
   if (arguments.paths.empty()) {
-    ThrowUsage("give a model and datasets, or a solved dataset, or --predictions and --truth");
+    ThrowInvalidArgument("give a model and datasets, or a solved dataset, or --predictions and --truth");
   }
-  if (arguments.root) ThrowUsage("--root is for --predictions; a dataset names its root itself");
+  if (arguments.root) ThrowInvalidArgument("--root is for --predictions; a dataset names its root itself");
   DatasetEvaluation job = Job(arguments, frame_errors);
   const fs::path& first = arguments.paths.front();
   if (!fs::exists(first)) {
@@ -89,27 +93,27 @@ EvaluationReport EvaluatePaths(const EvaluateArguments& arguments, FrameErrors* 
   }
   const bool is_data = IsDatasetFile(first);
   if (arguments.canonical && (is_data || arguments.triangulate)) {
-    ThrowUsage("--canonical is for a model: name one before the data, without --triangulate");
+    ThrowInvalidArgument("--canonical is for a model: name one before the data, without --triangulate");
   }
   if (arguments.triangulate) {
-    if (!is_data) ThrowUsage("--triangulate takes datasets alone, but {} is none", first.string());
+    if (!is_data) ThrowInvalidArgument("--triangulate takes datasets alone, but {} is none", first.string());
     return EvaluateDatasets(job, TriangulatedPoses());
   }
   if (is_data) {
     job.with_cameras = true;
     return EvaluateDatasets(job, SolvedPoses());
   }
-  if (arguments.paths.size() < 2) ThrowUsage("give the data to evaluate {} on", first.string());
+  if (arguments.paths.size() < 2) ThrowInvalidArgument("give the data to evaluate {} on", first.string());
   job.files.erase(job.files.begin());
   const PoseLifter lifter = PoseLifter::Open(first, arguments.device);
   if (arguments.canonical && lifter.info().network != "canonical") {
-    ThrowUsage("--canonical is for models with a canonical pose: {} predicts poses in the camera alone",
-               first.string());
+    ThrowInvalidArgument("--canonical is for models with a canonical pose: {} predicts poses in the camera alone",
+                         first.string());
   }
   return EvaluateDatasets(job, ModelPoses(lifter));
 }
 
-void RunEvaluate(const EvaluateArguments& arguments) {
+void RunEvaluate(const EvaluateArguments& arguments, const CLI::App& app) {
   if (arguments.list_protocols) {
     if (!arguments.json.empty()) WriteFileAtomically(arguments.json, ProtocolListAsJson());
     std::cout << ProtocolList() << std::flush;
@@ -123,7 +127,7 @@ void RunEvaluate(const EvaluateArguments& arguments) {
   for (const std::string& warning : report.warnings) LogWarning("{}", warning);
   if (wanted != nullptr) frame_errors.Write(arguments.frame_errors, report.all_joints);
   if (!arguments.json.empty()) WriteFileAtomically(arguments.json, ReportAsJson(report));
-  std::cout << ReportAsTable(report) << std::flush;
+  std::cout << SpellOptions(ReportAsTable(report), app) << std::flush;
 }
 
 std::string ProtocolHelp() {
@@ -157,7 +161,7 @@ void AddEvaluateCommand(CLI::App& app) {
   command->add_option("--root", arguments->root,
                       "Root joint of --predictions by number (default: by the archive's joint names, otherwise 0)");
   command->add_option("--device", arguments->device, "cpu or cuda")->capture_default_str();
-  command->callback([arguments] { RunEvaluate(*arguments); });
+  command->callback([arguments, &app] { RunEvaluate(*arguments, app); });
 }
 
 }  // namespace canonpose

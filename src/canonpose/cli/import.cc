@@ -47,7 +47,7 @@ std::pair<std::string, std::string> SplitNameAndPath(const std::string& text) {
 int ParsePerson(const std::string& text) {
   if (text.empty() || text.size() > 6 || text.find_first_not_of("0123456789") != std::string::npos ||
       std::stoi(text) < 1) {
-    ThrowUsage("--person takes a number from 1 on, or NAME=NUMBER for one camera, not \"{}\"", text);
+    ThrowInvalidArgument("--person takes a number from 1 on, or NAME=NUMBER for one camera, not \"{}\"", text);
   }
   return std::stoi(text);
 }
@@ -62,7 +62,7 @@ ImportOptions ToOptions(const ImportArguments& arguments) {
     } else if (name.empty() && text == path) {
       options.paths.emplace_back(text);  // a PATH that follows the option
     } else {
-      ThrowUsage("--camera takes NAME=PATH, not \"{}\"", text);
+      ThrowInvalidArgument("--camera takes NAME=PATH, not \"{}\"", text);
     }
   }
   for (const std::string& text : arguments.image_sizes) {
@@ -86,7 +86,7 @@ ImportOptions ToOptions(const ImportArguments& arguments) {
 /// Options that one kind of format understands and the other does not are told rather than ignored.
 void RefuseOptions(const CLI::App& command, const std::vector<const char*>& options, const std::string& format) {
   for (const char* const option : options) {
-    if (command.count(option) > 0) ThrowUsage("{} has no meaning for {}", option, format);
+    if (command.count(option) > 0) ThrowInvalidArgument("{} has no meaning for {}", option, format);
   }
 }
 

@@ -89,8 +89,8 @@ LiftInput FromDetections(const LiftArguments& arguments, const PoseLifter& lifte
 void RefuseMisplacedOptions(const LiftArguments& arguments, bool is_dataset) {
   const auto refuse = [&](bool given, const char* option) {
     if (given)
-      ThrowUsage("{} is for {}, and {} is not one", option, is_dataset ? "a detector's files" : "datasets",
-                 arguments.input.string());
+      ThrowInvalidArgument("{} is for {}, and {} is not one", option, is_dataset ? "a detector's files" : "datasets",
+                           arguments.input.string());
   };
   refuse(!is_dataset && !arguments.frames.empty(), "--frames");
   refuse(!is_dataset && !arguments.sequence.empty(), "--sequence");
@@ -103,10 +103,11 @@ void RefuseMisplacedOptions(const LiftArguments& arguments, bool is_dataset) {
 void RunLift(const LiftArguments& arguments) {
   RequireLiftFormat(arguments.output);
   if (arguments.height_m && !(*arguments.height_m > 0.0 && *arguments.height_m < 10.0)) {
-    ThrowUsage("--height: expected the person's height in metres, such as 1.75, found {}", *arguments.height_m);
+    ThrowInvalidArgument("--height: expected the person's height in metres, such as 1.75, found {}",
+                         *arguments.height_m);
   }
   if (arguments.smooth_frames && *arguments.smooth_frames < kMinSmoothing) {
-    ThrowUsage("--smooth: expected {} frames or more, found {}", kMinSmoothing, *arguments.smooth_frames);
+    ThrowInvalidArgument("--smooth: expected {} frames or more, found {}", kMinSmoothing, *arguments.smooth_frames);
   }
   if (!fs::exists(arguments.input)) {
     ThrowBadInput({arguments.input.string(), "", "a dataset or a detector's files", "nothing", "check the path"});

@@ -10,35 +10,61 @@
 
 #include <CLI/CLI.hpp>
 
+#include "canonpose/base/callbacks.h"
 #include "canonpose/base/error.h"
-#include "canonpose/base/log.h"
 #include "canonpose/base/version.h"
 #include "canonpose/cli/commands.h"
+#include "canonpose/cli/option_names.h"
+#include "canonpose/cli/terminal.h"
 #include "canonpose/cli/usage.h"
 #include "canonpose/model/runtime.h"
 
 namespace canonpose {
 namespace {
 
+/// Exit codes of the command line, a contract with callers.
+enum class ExitCode {
+  kDone = 0,
+  kUsage = 2,
+  kBadInput = 3,     ///< a file cannot be what it should be, or cannot be read or written
+  kComputation = 4,  ///< the computation failed: diverged, too few views, ...
+  kStopped = 130,
+};
+
+ExitCode ExitCodeOf(ErrorKind kind) {
+  switch (kind) {
+    case ErrorKind::kInvalidArgument:
+      return ExitCode::kUsage;
+    case ErrorKind::kBadInput:
+      return ExitCode::kBadInput;
+    case ErrorKind::kComputation:
+      return ExitCode::kComputation;
+    case ErrorKind::kStopped:
+      return ExitCode::kStopped;
+  }
+  return ExitCode::kComputation;
+}
+
 /// Failures of libraries, in one line: LibTorch's end in a stack of C++ frames.
-int ReportUnexpected(const std::string& what) {
+int ReportUnexpected(const Terminal& terminal, const std::string& what) {
   const std::string line = what.substr(0, what.find('\n'));
   if (line.find("not enough memory") != std::string::npos || line.find("out of memory") != std::string::npos) {
-    LogInfo("error: out of memory; close other programs, or use a smaller --width or recording");
+    terminal.Print("error: out of memory; close other programs, or use a smaller --width or recording");
   } else {
-    LogInfo("error: {} (this is a fault in canonpose: please report it with the command you ran)", line);
+    terminal.Print(
+        fmt::format("error: {} (this is a fault in canonpose: please report it with the command you ran)", line));
   }
-  return static_cast<int>(ExitCode::kComputation);
+  return static_cast<int>(ErrorKind::kComputation);
 }
 
 /// What was printed must have arrived, also on a full disk.
-int FinishOutput() {
+int FinishOutput(const Terminal& terminal) {
   std::cout.flush();
   if (std::fflush(stdout) == 0 && std::cout.good()) return static_cast<int>(ExitCode::kDone);
-  LogInfo(
+  terminal.Print(
       "error: standard output: expected a place that can be written, found none; free some space and run the command "
       "again");
-  return static_cast<int>(ExitCode::kBadInput);
+  return static_cast<int>(ErrorKind::kBadInput);
 }
 
 int Main(int argc, char** argv) {
@@ -61,31 +87,33 @@ int Main(int argc, char** argv) {
   AddInfoCommand(app);
   AddHelpCommands(app);
 
+  Terminal terminal([&app](const std::string& message) { return SpellOptions(message, app); });
+  const CallbackScope callbacks(terminal.MakeCallbacks());
   try {
     std::vector<std::string> arguments = WithoutHelpWords({argv + std::min(argc, 1), argv + argc});
     RequireCommand(app, arguments);
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
     app.parse(std::move(arguments));
-    return FinishOutput();
+    return FinishOutput(terminal);
   } catch (const CLI::RuntimeError& stop) {
     return stop.get_exit_code();
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) {  // --help, --version
       app.exit(error);
-      return FinishOutput();
+      return FinishOutput(terminal);
     }
-    LogInfo("error: {}", DescribeMistake(app, error));
-    return static_cast<int>(ExitCode::kUsage);
+    terminal.Print("error: " + DescribeMistake(app, error));
+    return static_cast<int>(ErrorKind::kInvalidArgument);
   } catch (const Error& error) {
-    LogInfo("error: {}", error.what());
-    return static_cast<int>(error.code());
+    terminal.Print("error: " + SpellOptions(error.what(), app));
+    return static_cast<int>(ExitCodeOf(error.kind()));
   } catch (const std::bad_alloc&) {
-    return ReportUnexpected("out of memory");
+    return ReportUnexpected(terminal, "out of memory");
   } catch (const std::filesystem::filesystem_error& error) {
-    LogInfo("error: {}: {}; check the path", error.path1().string(), error.code().message());
-    return static_cast<int>(ExitCode::kBadInput);
+    terminal.Print(fmt::format("error: {}: {}; check the path", error.path1().string(), error.code().message()));
+    return static_cast<int>(ErrorKind::kBadInput);
   } catch (const std::exception& error) {
-    return ReportUnexpected(error.what());
+    return ReportUnexpected(terminal, error.what());
   }
 }
 

@@ -9,10 +9,10 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
-#include "canonpose/base/interrupt.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/progress.h"
 #include "canonpose/cli/commands.h"
+#include "canonpose/cli/interrupt.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/export/bvh.h"
 #include "canonpose/export/keypoint_files.h"
@@ -127,9 +127,10 @@ SimulationOptions ResolveOptions(const SimulateArguments& arguments) {
 }
 
 void RunSimulate(const SimulateArguments& arguments) {
-  if (arguments.output.empty() && !arguments.describe) ThrowUsage("-o: say where the dataset goes, or --describe");
+  if (arguments.output.empty() && !arguments.describe)
+    ThrowInvalidArgument("-o: say where the dataset goes, or --describe");
   if (arguments.threads < 0) {
-    throw Error(ExitCode::kBadInput, fmt::format("--threads: expected 0 or more, found {}", arguments.threads));
+    ThrowInvalidArgument("--threads: expected 0 or more, found {}", arguments.threads);
   }
   const Simulator simulator(ResolveOptions(arguments));
   std::optional<DatasetWriter> writer;
@@ -138,7 +139,7 @@ void RunSimulate(const SimulateArguments& arguments) {
   DetectorStatistics statistics(simulator.layout());
   VisibilityCheck visibility(simulator.skeleton());
 
-  const InterruptGuard interrupt;
+  const StopOnSignal stop;
   Progress progress("clip", simulator.clip_count());
   ClipStream clips(simulator, arguments.threads);
   long frames = 0;
@@ -152,9 +153,9 @@ void RunSimulate(const SimulateArguments& arguments) {
     }
     frames += clip->sequence.frame_count;
     progress.Update(++done, clip->sequence.name);
-    if (interrupt.signal() != 0) {
+    if (StopRequested()) {
       LogInfo("stopped; nothing was written");
-      throw CLI::RuntimeError(128 + interrupt.signal());
+      throw CLI::RuntimeError(stop.exit_code());
     }
   }
   visibility.Report();
@@ -244,7 +245,7 @@ void AddSimulateCommand(CLI::App& app) {
     // Options that would be ignored are a misunderstanding.
     for (const char* option : {"--subjects", "--clips", "--seconds", "--activities"}) {
       if (!arguments->options.motion_files.empty() && command->count(option) > 0) {
-        ThrowUsage("{} is for procedural people; with motion capture files leave it out", option);
+        ThrowInvalidArgument("{} is for procedural people; with motion capture files leave it out", option);
       }
     }
     RunSimulate(*arguments);

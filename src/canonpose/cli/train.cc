@@ -14,6 +14,7 @@
 #include "canonpose/base/progress.h"
 #include "canonpose/cli/best.h"
 #include "canonpose/cli/commands.h"
+#include "canonpose/cli/interrupt.h"
 #include "canonpose/data/choice.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/model/pose_morph.h"
@@ -44,7 +45,7 @@ void Apply(const TrainArguments& arguments, TrainOptions& options) {
   for (const auto& [name, value] : arguments.named) options.Set(name, value);
   for (const std::string& setting : arguments.settings) {
     const std::size_t equals = setting.find('=');
-    if (equals == std::string::npos) ThrowUsage("--set: expected key=value, found \"{}\"", setting);
+    if (equals == std::string::npos) ThrowInvalidArgument("--set: expected key=value, found \"{}\"", setting);
     options.Set(setting.substr(0, equals), setting.substr(equals + 1));
   }
 }
@@ -61,7 +62,7 @@ TrainOptions ResolveOptions(const TrainArguments& arguments) {
   Apply(arguments, options);
   if (recorded) {
     for (const std::string& name : options.Differences(*recorded)) {
-      ThrowUsage(
+      ThrowInvalidArgument(
           "{} was started with {} = {}, not {}: leave the option out to go on with it, or train into another folder",
           arguments.run_folder.string(), name, recorded->Get(name), options.Get(name));
     }
@@ -75,7 +76,7 @@ void RequireDifferentFiles(const std::vector<fs::path>& files) {
   for (std::size_t i = 0; i < files.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       std::error_code error;
-      if (fs::equivalent(files[i], files[j], error)) ThrowUsage("{} is given twice", files[i].string());
+      if (fs::equivalent(files[i], files[j], error)) ThrowInvalidArgument("{} is given twice", files[i].string());
     }
   }
 }
@@ -101,10 +102,11 @@ void RunTrain(const TrainArguments& arguments) {
     if (!arguments.frames.empty()) KeepFrames(job.datasets.back(), FrameRange::Parse(arguments.frames), path.string());
   }
 
+  const StopOnSignal stop;
   const TrainReport report = job.options.preset == "best" ? TrainBest(job) : Train(job);
-  if (report.interrupted_by != 0) {
+  if (report.stopped) {
     LogInfo("stopped and saved; to go on, run the same command with --resume");
-    throw CLI::RuntimeError(128 + report.interrupted_by);
+    throw CLI::RuntimeError(stop.exit_code());
   }
   const std::string perspective =
       job.options.perspective == "learned" ? fmt::format(", perspective factor {:.2f}", report.model.perspective) : "";
@@ -133,7 +135,9 @@ void AddTrainCommand(CLI::App& app) {
   add("--device", "device", "cpu or cuda (default cpu)");
   add("--seed", "seed", "Seed of all randomness (default 0)");
   add("--mirror", "mirror", "auto: decide by perspective; keep or flip: by your choice (default auto)");
-  add("--threads", "threads", "Number of threads (default: 1 to train, all cores to solve). More than 1 helps wide networks on an idle machine");
+  add("--threads", "threads",
+      "Number of threads (default: 1 to train, all cores to solve). More than 1 helps wide networks on an idle "
+      "machine");
   command->add_option("--frames", arguments->frames, "Train on frames A-B of each sequence only, counted from 0");
   command->add_option("--subjects", arguments->subjects, "Train on these subjects only: A,B");
   command->add_option("--cameras", arguments->cameras,

@@ -9,6 +9,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/cli/commands.h"
+#include "canonpose/cli/interrupt.h"
 #include "canonpose/data/choice.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/train/morph_trainer.h"
@@ -30,8 +31,8 @@ struct TrainMorphArguments {
 
 MorphJob MakeJob(const TrainMorphArguments& arguments) {
   if (!arguments.exact.empty() && arguments.exact.size() != arguments.detected.size()) {
-    ThrowUsage("--exact: give one file for each of the {} datasets, found {}", arguments.detected.size(),
-               arguments.exact.size());
+    ThrowInvalidArgument("--exact: give one file for each of the {} datasets, found {}", arguments.detected.size(),
+                         arguments.exact.size());
   }
   MorphJob job;
   job.options = arguments.options;
@@ -66,10 +67,11 @@ MorphJob MakeJob(const TrainMorphArguments& arguments) {
 void RunTrainMorph(const TrainMorphArguments& arguments) {
   const MorphJob job = MakeJob(arguments);
   LogInfo("{} pairs of detected and true 2D poses", job.pairs.count());
+  const StopOnSignal stop;
   const MorphReport report = TrainMorph(job);
-  if (report.interrupted_by != 0) {
+  if (report.stopped) {
     LogInfo("stopped and saved; to go on, run the same command with --resume");
-    throw CLI::RuntimeError(128 + report.interrupted_by);
+    throw CLI::RuntimeError(stop.exit_code());
   }
   LogInfo("joints of held-out poses are off by {:.2f} % of the pose's size, {:.2f} % before; the model is {}",
           report.after_percent, report.before_percent, (job.run_folder / "model.cpm").string());

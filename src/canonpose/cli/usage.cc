@@ -52,11 +52,10 @@ const CLI::App& Given(const CLI::App& app) {
 
 nlohmann::json DescribeProgram() {
   const LinearAlgebraSpeed speed = MeasureLinearAlgebra();
-  return {{"version", ProgramVersion()},
-          {"linear_algebra",
-           {{"library", LinearAlgebraLibrary()},
-            {"gflops", speed.gflops},
-            {"openblas_gflops", speed.openblas_gflops}}}};
+  return {
+      {"version", ProgramVersion()},
+      {"linear_algebra",
+       {{"library", LinearAlgebraLibrary()}, {"gflops", speed.gflops}, {"openblas_gflops", speed.openblas_gflops}}}};
 }
 
 std::string HelpOf(const CLI::App& app, const CLI::App& command) {
@@ -89,15 +88,16 @@ std::vector<std::string> WithoutHelpWords(const std::vector<std::string>& argume
 void RequireCommand(const CLI::App& app, const std::vector<std::string>& arguments) {
   const std::vector<std::string> names = CommandNames(app);
   if (arguments.empty()) {
-    ThrowUsage("a command is missing; there are {} (canonpose help tells what they do)", fmt::join(names, ", "));
+    ThrowInvalidArgument("a command is missing; there are {} (canonpose help tells what they do)",
+                         fmt::join(names, ", "));
   }
   const std::string& word = arguments.front();
   if (IsOption(word) || std::find(names.begin(), names.end(), word) != names.end()) return;
   if (const std::optional<std::string> nearest = NearestName(word, names)) {
-    ThrowUsage("there is no command \"{}\"; did you mean {}? (canonpose help lists them)", word, *nearest);
+    ThrowInvalidArgument("there is no command \"{}\"; did you mean {}? (canonpose help lists them)", word, *nearest);
   }
-  ThrowUsage("there is no command \"{}\"; there are {} (canonpose help tells what they do)", word,
-             fmt::join(names, ", "));
+  ThrowInvalidArgument("there is no command \"{}\"; there are {} (canonpose help tells what they do)", word,
+                       fmt::join(names, ", "));
 }
 
 std::string DescribeMistake(const CLI::App& app, const CLI::ParseError& error) {

@@ -26,7 +26,7 @@ std::vector<std::string> SplitAtCommas(const std::string& text, const char* what
     }
   }
   if (std::ranges::any_of(words, [](const std::string& word) { return word.empty(); })) {
-    ThrowUsage("{}; found '{}'", what, text);
+    ThrowInvalidArgument("{}; found '{}'", what, text);
   }
   return words;
 }

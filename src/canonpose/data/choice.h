@@ -12,12 +12,12 @@ namespace canonpose {
 void KeepCameras(Sequence& sequence, const std::vector<std::string>& names);
 
 /// Cuts every sequence down to the cameras of `choice`: "A,B" by name, or a number N for the first N of each sequence
-/// (unless a camera has that name). Sequences without any disappear. Throws Error(kUsage) where it is no choice,
-/// Error(kBadInput) naming `file` where a camera is in no sequence, or a sequence has fewer than N.
+/// (unless a camera has that name). Sequences without any disappear. Throws Error(kInvalidArgument) where it is no
+/// choice, Error(kBadInput) naming `file` where a camera is in no sequence, or a sequence has fewer than N.
 void KeepCameras(Dataset& dataset, const std::string& choice, const std::string& file);
 
-/// Cuts a dataset down to the sequences of the subjects "A,B"; case does not matter. Throws Error(kUsage) where it is
-/// no choice, Error(kBadInput) naming `file` where one is not there.
+/// Cuts a dataset down to the sequences of the subjects "A,B"; case does not matter. Throws Error(kInvalidArgument)
+/// where it is no choice, Error(kBadInput) naming `file` where one is not there.
 void KeepSubjects(Dataset& dataset, const std::string& choice, const std::string& file);
 
 }  // namespace canonpose

@@ -45,17 +45,18 @@ TEST(KeepCameras, TakesNamesOrANumber) {
 
 TEST(KeepCameras, RefusesWhatIsNotThere) {
   Dataset dataset = TwoSequences();
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { KeepCameras(dataset, "front", "data.h5"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { KeepCameras(dataset, "front", "data.h5"); }),
               HasSubstr("back, left, right"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { KeepCameras(dataset, "4", "data.h5"); }), HasSubstr("4 cameras"));
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { KeepCameras(dataset, "left,", "data.h5"); }), HasSubstr("by name"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { KeepCameras(dataset, "4", "data.h5"); }), HasSubstr("4 cameras"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { KeepCameras(dataset, "left,", "data.h5"); }),
+              HasSubstr("by name"));
 }
 
 TEST(KeepSubjects, TakesNames) {
   Dataset dataset = TwoSequences();
   dataset.sequences[0].subject = "S1";
   dataset.sequences[1].subject = "S5";
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { KeepSubjects(dataset, "S1,S6", "data.h5"); }), HasSubstr("S1, S5"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { KeepSubjects(dataset, "S1,S6", "data.h5"); }), HasSubstr("S1, S5"));
   KeepSubjects(dataset, "s5", "data.h5");
   ASSERT_EQ(dataset.sequences.size(), 1U);
   EXPECT_EQ(dataset.sequences[0].subject, "S5");

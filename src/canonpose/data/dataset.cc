@@ -94,7 +94,8 @@ FrameRange FrameRange::Parse(const std::string& text) {
     last = dash + 1 == text.size() ? std::optional<int>(INT32_MAX) : ParseFrame(text.substr(dash + 1));
   }
   if (!first || !last || *last < *first) {
-    ThrowUsage("frames are given as A-B, A- or A, counted from 0, the last not before the first; found '{}'", text);
+    ThrowInvalidArgument("frames are given as A-B, A- or A, counted from 0, the last not before the first; found '{}'",
+                         text);
   }
   return {*first, *last};
 }

@@ -79,7 +79,7 @@ struct Dataset {
 struct FrameRange {
   int first = 0;
   int last = INT32_MAX;
-  /// Parses "A-B", "A-" or "A". Throws Error(kUsage).
+  /// Parses "A-B", "A-" or "A". Throws Error(kInvalidArgument).
   static FrameRange Parse(const std::string& text);
 };
 

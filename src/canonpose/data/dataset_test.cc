@@ -220,7 +220,7 @@ TEST(DatasetTest, KeepFramesCutsEveryArray) {
   EXPECT_EQ(dataset.sequences[1].action, (std::vector<std::uint8_t>{0, 1}));
   KeepFrames(dataset, {1, 1}, "a.h5");
   EXPECT_EQ(dataset.sequences.size(), 1U);
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput,
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput,
                       [&] {
                         KeepFrames(dataset, {7, 9}, "a.h5");
                       }),
@@ -232,7 +232,7 @@ TEST(DatasetTest, ActionsMustBeNamed) {
   Dataset dataset = Sample();
   dataset.sequences[1].action[2] = 2;
   WriteDataset(folder / "a.h5", dataset);
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadDataset(folder / "a.h5"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadDataset(folder / "a.h5"); }),
               AllOf(HasSubstr("/sequences/walk/action"), HasSubstr("actions, which has 2, found 2")));
 }
 
@@ -241,7 +241,7 @@ TEST(DatasetTest, FrameRangesParse) {
   EXPECT_EQ(FrameRange::Parse("3-").last, INT32_MAX);
   EXPECT_EQ(FrameRange::Parse("3").last, 3);
   for (const char* text : {"", "-", "-3", "9-3", "a-b", "1-2-3", "1.5", "99999999999"}) {
-    EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { FrameRange::Parse(text); }), HasSubstr("A-B")) << text;
+    EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { FrameRange::Parse(text); }), HasSubstr("A-B")) << text;
   }
 }
 
@@ -314,7 +314,7 @@ std::string ErrorOfChange(const std::function<void(RawFile&)>& change) {
   RawFile raw;
   change(raw);
   Write(raw, folder / "bad.h5");
-  std::string message = ErrorOf(ExitCode::kBadInput, [&] { ReadDataset(folder / "bad.h5"); });
+  std::string message = ErrorOf(ErrorKind::kBadInput, [&] { ReadDataset(folder / "bad.h5"); });
   EXPECT_THAT(message, HasSubstr("bad.h5"));
   return message;
 }
@@ -369,8 +369,8 @@ TEST(DatasetFileTest, OtherFilesAreNoDatasets) {
   WriteFileAtomically(folder / "a.txt", "hello");
   EXPECT_FALSE(IsDatasetFile(folder / "a.txt"));
   EXPECT_FALSE(IsDatasetFile(folder / "nothing"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadDataset(folder / "nothing"); }), HasSubstr("nothing"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadDataset(folder / "a.txt"); }), HasSubstr("HDF5"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadDataset(folder / "nothing"); }), HasSubstr("nothing"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadDataset(folder / "a.txt"); }), HasSubstr("HDF5"));
   h5::File other = h5::File::CreateAt(folder / "other.h5");
   other.root().SetInt("format", 3);
   other.Commit();
@@ -383,7 +383,7 @@ TEST(DatasetFileTest, ATruncatedFileIsRefused) {
   const std::string whole = ReadFile(folder / "a.h5");
   for (const std::size_t size : {whole.size() / 2, whole.size() - 100}) {
     WriteFileAtomically(folder / "cut.h5", std::string_view(whole).substr(0, size));
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadDataset(folder / "cut.h5"); }), HasSubstr("cut.h5"));
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadDataset(folder / "cut.h5"); }), HasSubstr("cut.h5"));
   }
 }
 
@@ -391,9 +391,9 @@ TEST(DatasetFileTest, NamesThatCannotBeGroupsAreRefused) {
   const TemporaryFolder folder;
   Dataset dataset = Sample();
   dataset.sequences[0].name = "a/b";
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { WriteDataset(folder / "a.h5", dataset); }), HasSubstr("a/b"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { WriteDataset(folder / "a.h5", dataset); }), HasSubstr("a/b"));
   dataset.sequences[0].name = dataset.sequences[1].name;
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { WriteDataset(folder / "a.h5", dataset); }), HasSubstr("two called"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { WriteDataset(folder / "a.h5", dataset); }), HasSubstr("two called"));
 }
 
 }  // namespace

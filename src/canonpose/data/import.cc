@@ -49,13 +49,13 @@ void CheckCameraNamesAndPaths(const std::vector<CameraInput>& cameras) {
     const CameraInput& camera = cameras[i];
     if (camera.name.empty() || camera.name.front() == '.' || camera.name.find('/') != std::string::npos) {
       ThrowBadInput({camera.path.string(), "", "a camera name without '/' that does not begin with '.'",
-                     "\"" + camera.name + "\"", "name it with --camera NAME=PATH"});
+                     "\"" + camera.name + "\"", "name it with `camera` NAME=PATH"});
     }
     for (std::size_t k = 0; k < i; ++k) {
       if (cameras[k].name == camera.name) {
         ThrowBadInput({camera.path.string(), "", "another name for each camera",
                        fmt::format("camera {} at {} too", camera.name, cameras[k].path.string()),
-                       "name them with --camera NAME=PATH"});
+                       "name them with `camera` NAME=PATH"});
       }
       if (SamePath(cameras[k].path, camera.path)) {
         ThrowBadInput({camera.path.string(), "", "another folder or file for each camera",
@@ -105,7 +105,7 @@ void CheckNamesExist(const std::map<std::string, Value>& by_camera, const std::v
       continue;
     std::string names;
     for (const CameraInput& camera : cameras) names += (names.empty() ? "" : ", ") + camera.name;
-    ThrowUsage("{} names camera {}, but the cameras are {}", option, name, names);
+    ThrowInvalidArgument("{} names camera {}, but the cameras are {}", option, name, names);
   }
 }
 
@@ -115,11 +115,11 @@ ImageSize ImageSizeOf(const CameraInput& camera, const ImportOptions& options, c
   if (options.image_size[0] > 0) return options.image_size;
   if (options.calibration.empty()) {
     ThrowBadInput({camera.path.string(), "", fmt::format("the image size of camera {}", camera.name),
-                   "none in the file", fmt::format("give --image-size WxH, or {}=WxH for one camera", camera.name)});
+                   "none in the file", fmt::format("give `image_size` WxH, or {}=WxH for one camera", camera.name)});
   }
   const CalibratedCamera& calibrated = FindCalibration(calibration, camera.name, options.calibration);
   if (!calibrated.image_size) {
-    ThrowBadInput({options.calibration.string(), "image_size", "width and height", "nothing", "give --image-size WxH"});
+    ThrowBadInput({options.calibration.string(), "image_size", "width and height", "nothing", "give `image_size` WxH"});
   }
   return *calibrated.image_size;
 }
@@ -132,7 +132,7 @@ void RefuseFractions(const KeypointClip& clip) {
   if (largest > kLargestFraction) return;
   ThrowBadInput({clip.path, "", "coordinates in pixels",
                  fmt::format("none above {:.3g}, so fractions of the image", largest),
-                 "run the detector again so that it writes pixels (OpenPose: without --keypoint_scale)"});
+                 "run the detector again so that it writes pixels (OpenPose: with keypoint_scale 0)"});
 }
 
 void WarnOfKeypointsOutside(const KeypointClip& clip, const ImageSize& size) {
@@ -154,7 +154,7 @@ void WarnOfKeypointsOutside(const KeypointClip& clip, const ImageSize& size) {
   if (static_cast<double>(outside) <= kManyOutside * static_cast<double>(seen)) return;
   LogWarning(
       "{}: {:.0f} % of the keypoints lie far outside an image of {}x{} pixels (they reach {:.0f}, {:.0f}); check "
-      "--image-size{}",
+      "`image_size`{}",
       clip.name, 100.0 * static_cast<double>(outside) / static_cast<double>(seen), size[0], size[1], reach[0], reach[1],
       size[0] != size[1] ? ", width comes first" : "");
 }
@@ -213,11 +213,11 @@ void CheckSameCounts(const std::vector<KeypointClip>& clips) {
   for (const KeypointClip& clip : clips) {
     if (clip.frame_count() == first.frame_count()) continue;
     ThrowBadInput({clip.path, "", "as many frames from every camera", RangeOf(first) + ", " + RangeOf(clip),
-                   "use --align frame-number if equal numbers are equal times, or cut the clips alike"});
+                   "use `align` frame-number if equal numbers are equal times, or cut the clips alike"});
   }
   for (const KeypointClip& clip : clips) {
     if (clip.frame_numbers == first.frame_numbers) continue;
-    LogWarning("frame numbers differ: {}, {}; frames are matched in order, unless --align frame-number", RangeOf(first),
+    LogWarning("frame numbers differ: {}, {}; frames are matched in order, unless `align` frame-number", RangeOf(first),
                RangeOf(clip));
     return;
   }
@@ -255,7 +255,7 @@ void AlignByNumber(std::vector<KeypointClip>& clips) {
   if (!has_common) {
     ThrowBadInput({clips[1].path, "", "frame numbers that another camera has too",
                    RangeOf(clips[0]) + ", " + RangeOf(clips[1]),
-                   "leave --align frame-number out if the frames belong together in order"});
+                   "leave `align` frame-number out if the frames belong together in order"});
   }
   for (KeypointClip& clip : clips) {
     const std::size_t missing = numbers.size() - clip.frame_numbers.size();
@@ -309,7 +309,7 @@ LayoutMapping MappingTo(const Skeleton& layout, const std::string& skeleton) {
   if (skeleton == "native") return MapLayout(layout, layout);
   const Skeleton* target = FindSkeleton(skeleton);
   if (target == nullptr)
-    ThrowUsage("there is no skeleton \"{}\"; there are {} and native", skeleton, BuiltinSkeletonNames());
+    ThrowInvalidArgument("there is no skeleton \"{}\"; there are {} and native", skeleton, BuiltinSkeletonNames());
   return MapLayout(layout, *target);
 }
 
@@ -327,20 +327,20 @@ std::vector<KeypointClip> ReadClips(const ImportOptions& options, const Detectio
 
 void ImportOptions::Validate() const {
   FindDetectionFormat(format);
-  if (paths.empty() && cameras.empty()) ThrowUsage("give the paths of the cameras");
+  if (paths.empty() && cameras.empty()) ThrowInvalidArgument("give the paths of the cameras");
   if (!layout.empty() && FindSkeleton(layout) == nullptr) {
-    ThrowUsage("there is no layout \"{}\"; the layouts are {}", layout, BuiltinSkeletonNames());
+    ThrowInvalidArgument("there is no layout \"{}\"; the layouts are {}", layout, BuiltinSkeletonNames());
   }
   if (skeleton != "native" && FindSkeleton(skeleton) == nullptr) {
-    ThrowUsage("there is no skeleton \"{}\"; there are {} and native", skeleton, BuiltinSkeletonNames());
+    ThrowInvalidArgument("there is no skeleton \"{}\"; there are {} and native", skeleton, BuiltinSkeletonNames());
   }
-  if (person < 1) ThrowUsage("--person counts from 1, not {}", person);
+  if (person < 1) ThrowInvalidArgument("`person` counts from 1, not {}", person);
   for (const auto& [camera, number] : camera_person) {
-    if (number < 1) ThrowUsage("--person counts from 1, not {}", number);
+    if (number < 1) ThrowInvalidArgument("`person` counts from 1, not {}", number);
   }
-  if (!std::isfinite(fps) || fps < 0.0) ThrowUsage("--fps must be above 0, not {}", fps);
+  if (!std::isfinite(fps) || fps < 0.0) ThrowInvalidArgument("`fps` must be above 0, not {}", fps);
   if (name.empty() || name.front() == '.' || name.find('/') != std::string::npos) {
-    ThrowUsage("\"{}\" is no name for a sequence: it must not be empty, begin with '.' or hold '/'", name);
+    ThrowInvalidArgument("\"{}\" is no name for a sequence: it must not be empty, begin with '.' or hold '/'", name);
   }
 }
 
@@ -348,8 +348,8 @@ Dataset ImportDetections(const ImportOptions& options) {
   options.Validate();
   const DetectionFormat& format = FindDetectionFormat(options.format);
   const std::vector<CameraInput> cameras = FindCameras(options, format);
-  CheckNamesExist(options.camera_person, cameras, "--person");
-  CheckNamesExist(options.camera_image_size, cameras, "--image-size");
+  CheckNamesExist(options.camera_person, cameras, "`person`");
+  CheckNamesExist(options.camera_image_size, cameras, "`image_size`");
   // What is cheap to check comes before what may take minutes to read.
   Calibration calibration;
   if (!options.calibration.empty()) calibration = ReadCalibration(options.calibration);
@@ -408,7 +408,7 @@ SingleCamera ReadSingleCamera(const fs::path& path, const SingleCameraOptions& o
   if (cameras.size() != 1) {
     ThrowBadInput({path.string(), "", options.camera.empty() ? "one camera" : "camera " + options.camera,
                    (is_one ? "the camera " : "the cameras ") + names,
-                   is_one ? "leave --camera out, or give its name" : "choose one with --camera NAME"});
+                   is_one ? "leave `camera` out, or give its name" : "choose one with `camera` NAME"});
   }
   std::vector<KeypointClip> clips{ReadClip(format, cameras.front(), options.person)};
   const Skeleton& layout = CheckLayout(clips, options.layout);
@@ -434,7 +434,7 @@ std::array<int, 2> ParseImageSize(const std::string& text) {
     const auto [after_height, height_error] = std::from_chars(after_width + 1, end, height);
     is_size = height_error == std::errc() && after_height == end && width > 0 && height > 0;
   }
-  if (!is_size) ThrowUsage("\"{}\" is no image size; write it as 1920x1080", text);
+  if (!is_size) ThrowInvalidArgument("\"{}\" is no image size; write it as 1920x1080", text);
   return {width, height};
 }
 

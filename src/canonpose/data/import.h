@@ -39,7 +39,7 @@ struct ImportOptions {
   double fps = 0.0;  ///< 0: unknown
   bool moving_cameras = false;
 
-  /// Throws Error(kUsage).
+  /// Throws Error(kInvalidArgument).
   void Validate() const;
 };
 
@@ -68,7 +68,7 @@ struct SingleCamera {
 /// One camera of a detector's file or folder. Throws Error(kBadInput).
 SingleCamera ReadSingleCamera(const std::filesystem::path& path, const SingleCameraOptions& options);
 
-/// Parses "1920x1080". Throws Error(kUsage).
+/// Parses "1920x1080". Throws Error(kInvalidArgument).
 std::array<int, 2> ParseImageSize(const std::string& text);
 
 }  // namespace canonpose

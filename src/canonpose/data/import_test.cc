@@ -40,7 +40,7 @@ ImportOptions Options(const std::string& format, const fs::path& path) {
 ImportOptions OpenPose() { return Options("openpose", TestData("detections/openpose")); }
 
 std::string ImportError(const ImportOptions& options) {
-  return ErrorOf(ExitCode::kBadInput, [&] { ImportDetections(options); });
+  return ErrorOf(ErrorKind::kBadInput, [&] { ImportDetections(options); });
 }
 
 /// What an import writes to the log.
@@ -202,7 +202,8 @@ TEST(ImportDetections, AnotherPersonCanBeChosen) {
   options.person = 9;
   EXPECT_THAT(ImportError(options), HasSubstr("expected 9 people in camera cam2"));
   options.camera_person["cam7"] = 1;
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { ImportDetections(options); }), HasSubstr("--person names camera cam7"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { ImportDetections(options); }),
+              HasSubstr("`person` names camera cam7"));
 }
 
 TEST(ImportDetections, CamerasCanBeNamed) {
@@ -271,7 +272,7 @@ TEST(ImportDetections, DifferentFrameCountsAreRefusedUnlessAlignedByNumber) {
   fs::remove(copy.Frame(2, 3));
   fs::remove(copy.Frame(2, 7));
   EXPECT_THAT(ImportError(copy.options), AllOf(HasSubstr("cam1 has 8 frames (0 to 7), cam2 has 6 frames (0 to 6)"),
-                                               HasSubstr("--align frame-number")));
+                                               HasSubstr("`align` frame-number")));
   copy.options.alignment = FrameAlignment::kFrameNumber;
   const Dataset dataset = ImportDetections(copy.options);
   const Dataset whole = ImportDetections(OpenPose());
@@ -312,14 +313,15 @@ TEST(ImportDetections, ACameraWithoutDetectionsIsRefused) {
 TEST(ImportDetections, TheWrongLayoutIsRefused) {
   ImportOptions options = OpenPose();
   options.layout = "body_25b";
-  EXPECT_THAT(ImportError(options), HasSubstr("use --layout body_25,"));
+  EXPECT_THAT(ImportError(options), HasSubstr("use `layout` body_25,"));
   options.paths = {TestData("detections/openpose_25b")};
   options.layout = "body-25";
-  EXPECT_THAT(ImportError(options), HasSubstr("use --layout body_25b,"));
+  EXPECT_THAT(ImportError(options), HasSubstr("use `layout` body_25b,"));
   options.layout = "coco-17";
   EXPECT_THAT(ImportError(options), HasSubstr("expected 17 keypoints for layout coco-17, found 25"));
   options.layout = "body_135";
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { ImportDetections(options); }), HasSubstr("there is no layout"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { ImportDetections(options); }),
+              HasSubstr("there is no layout"));
 }
 
 TEST(ImportDetections, CamerasOfDifferentLayoutsAreRefused) {
@@ -340,14 +342,14 @@ TEST(ImportDetections, FractionsOfTheImageAreRefused) {
     }
   }
   EXPECT_THAT(ImportError(copy.options),
-              AllOf(HasSubstr("expected coordinates in pixels"), HasSubstr("--keypoint_scale")));
+              AllOf(HasSubstr("expected coordinates in pixels"), HasSubstr("keypoint_scale")));
 }
 
 TEST(ImportDetections, TheImageSizeIsNeeded) {
   ImportOptions options = OpenPose();
   options.image_size = {0, 0};
   EXPECT_THAT(ImportError(options),
-              AllOf(HasSubstr("expected the image size of camera cam1"), HasSubstr("--image-size")));
+              AllOf(HasSubstr("expected the image size of camera cam1"), HasSubstr("`image_size`")));
   options.camera_image_size["cam1"] = {640, 480};
   EXPECT_THAT(ImportError(options), HasSubstr("expected the image size of camera cam2"));
 }
@@ -382,24 +384,24 @@ TEST(ImportDetections, OptionsAreChecked) {
   const auto usage = [](auto change) {
     ImportOptions options = OpenPose();
     change(options);
-    return ErrorOf(ExitCode::kUsage, [&] { ImportDetections(options); });
+    return ErrorOf(ErrorKind::kInvalidArgument, [&] { ImportDetections(options); });
   };
   EXPECT_THAT(usage([](ImportOptions& o) { o.format = "kinect"; }), HasSubstr("the formats are openpose"));
   EXPECT_THAT(usage([](ImportOptions& o) { o.paths.clear(); }), HasSubstr("give the paths"));
-  EXPECT_THAT(usage([](ImportOptions& o) { o.person = 0; }), HasSubstr("--person counts from 1"));
+  EXPECT_THAT(usage([](ImportOptions& o) { o.person = 0; }), HasSubstr("`person` counts from 1"));
   EXPECT_THAT(usage([](ImportOptions& o) { o.skeleton = "x"; }), HasSubstr("there is no skeleton"));
-  EXPECT_THAT(usage([](ImportOptions& o) { o.fps = -1.0; }), HasSubstr("--fps"));
+  EXPECT_THAT(usage([](ImportOptions& o) { o.fps = -1.0; }), HasSubstr("`fps`"));
   EXPECT_THAT(usage([](ImportOptions& o) { o.name = "a/b"; }), HasSubstr("no name for a sequence"));
   EXPECT_THAT(usage([](ImportOptions& o) {
                 o.camera_image_size["x"] = {1, 1};
               }),
-              HasSubstr("--image-size names camera x"));
+              HasSubstr("`image_size` names camera x"));
 }
 
 TEST(ParseImageSize, TakesWidthAndHeight) {
   EXPECT_EQ(ParseImageSize("1920x1080"), (std::array<int, 2>{1920, 1080}));
   for (const char* text : {"", "1920", "x", "1920x", "0x5", "-1x5", "1920x1080p", "1920 1080", "99999999999x5"}) {
-    EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { ParseImageSize(text); }), HasSubstr("no image size"));
+    EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { ParseImageSize(text); }), HasSubstr("no image size"));
   }
 }
 
@@ -458,10 +460,10 @@ TEST(ReadSingleCamera, ReadsAsTheImportDid) {
 TEST(ReadSingleCamera, SeveralCamerasMustBeChosenFrom) {
   SingleCameraOptions options;
   const fs::path path = TestData("detections/openpose");
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadSingleCamera(path, options); }),
-              AllOf(HasSubstr("the cameras cam1, cam2"), HasSubstr("--camera NAME")));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadSingleCamera(path, options); }),
+              AllOf(HasSubstr("the cameras cam1, cam2"), HasSubstr("`camera` NAME")));
   options.camera = "cam9";
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadSingleCamera(path, options); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadSingleCamera(path, options); }),
               HasSubstr("expected camera cam9"));
   options.camera.clear();
   const SingleCamera single = ReadSingleCamera(path / "cam1", options);
@@ -472,8 +474,8 @@ TEST(ReadSingleCamera, ANamedCameraMustBeTheOneThatIsThere) {
   SingleCameraOptions options;
   options.camera = "cam9";
   const fs::path path = TestData("detections/openpose/cam1");
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadSingleCamera(path, options); }),
-              AllOf(HasSubstr("expected camera cam9, found the camera cam1"), HasSubstr("leave --camera out")));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadSingleCamera(path, options); }),
+              AllOf(HasSubstr("expected camera cam9, found the camera cam1"), HasSubstr("leave `camera` out")));
   options.camera = "cam1";
   EXPECT_EQ(ReadSingleCamera(path, options).view.name, "cam1");
 }

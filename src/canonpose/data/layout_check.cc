@@ -238,7 +238,8 @@ void CheckEachCamera(std::span<const KeypointClip> clips, const Skeleton& layout
 
 const Skeleton& RequestedLayout(const KeypointClip& clip, const std::string& requested) {
   const Skeleton* layout = FindSkeleton(requested);
-  if (layout == nullptr) ThrowUsage("there is no layout \"{}\"; the layouts are {}", requested, BuiltinSkeletonNames());
+  if (layout == nullptr)
+    ThrowInvalidArgument("there is no layout \"{}\"; the layouts are {}", requested, BuiltinSkeletonNames());
   if (layout->joint_count() != clip.keypoint_count) {
     ThrowBadInput({clip.path, "", fmt::format("{} keypoints for layout {}", layout->joint_count(), layout->name),
                    fmt::format("{}", clip.keypoint_count), "the layouts and their counts are " + LayoutsByCount()});
@@ -310,7 +311,7 @@ const Skeleton& CheckLayout(std::span<const KeypointClip> clips, const std::stri
   if (layout == nullptr) {
     const bool is_decided = fits.size() == 1 || (is_measured && fits[1].misfit() > kClearlyBetter * best.misfit());
     if (!is_decided) {
-      ThrowBadInput({first.path, "", fmt::format("--layout {} or {}", best.layout->name, fits[1].layout->name),
+      ThrowBadInput({first.path, "", fmt::format("`layout` {} or {}", best.layout->name, fits[1].layout->name),
                      fmt::format("{} keypoints, and too few joints seen to tell which", first.keypoint_count),
                      "name the layout"});
     }
@@ -322,7 +323,7 @@ const Skeleton& CheckLayout(std::span<const KeypointClip> clips, const std::stri
       std::find_if(fits.begin(), fits.end(), [&](const LayoutFit& fit) { return fit.layout == layout; });
   const bool is_refuted = is_measured && chosen->misfit() > kClearlyBetter * best.misfit();
   if (is_refuted) {
-    ThrowOtherFits(first, *chosen, best, fmt::format("use --layout {}, or leave it out", best.layout->name));
+    ThrowOtherFits(first, *chosen, best, fmt::format("use `layout` {}, or leave it out", best.layout->name));
   }
   if (!is_measured) LogWarning("too few joints are seen together to check that the layout is {}", layout->name);
   if (is_measured) CheckEachCamera(clips, *layout);

@@ -42,7 +42,7 @@ LayoutFit MeasureLayout(const Skeleton& layout, std::span<const KeypointClip> cl
 /// The layout to read the clips with. Where `requested` is empty, the one that the number of keypoints and anatomy
 /// allow, told in the log. Throws Error(kBadInput) where that is none or undecided, where `requested` has another
 /// number of keypoints, and where anatomy contradicts it, also in one camera alone; names the layout that fits. Throws
-/// Error(kUsage) for an unknown name.
+/// Error(kInvalidArgument) for an unknown name.
 const Skeleton& CheckLayout(std::span<const KeypointClip> clips, const std::string& requested);
 
 }  // namespace canonpose

@@ -175,8 +175,8 @@ TEST(CheckLayout, RefusesEveryOtherLayoutOfAsManyJoints) {
     for (const Skeleton& other : BuiltinSkeletons()) {
       if (other.joint_count() != layout.joint_count() || other.name == layout.name) continue;
       const std::vector<KeypointClip> clips = WatchByTwo(layout, posture, azimuth, elevation);
-      EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { CheckLayout(clips, other.name); }),
-                  HasSubstr(fmt::format("use --layout {}", layout.name)));
+      EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { CheckLayout(clips, other.name); }),
+                  HasSubstr(fmt::format("use `layout` {}", layout.name)));
       ++refused;
     }
   });
@@ -207,7 +207,7 @@ TEST(CheckLayout, ASingleFrameIsEnoughInMostPostures) {
   for (const Posture& posture : kPostures) {
     const std::vector<KeypointClip> clips{Watch(layout, posture, 40.0, 10.0, 1)};
     EXPECT_EQ(CheckLayout(clips, "").name, layout.name) << posture.name;
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { CheckLayout(clips, "body_25"); }), HasSubstr("body_25b"));
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { CheckLayout(clips, "body_25"); }), HasSubstr("body_25b"));
   }
 }
 
@@ -243,7 +243,8 @@ TEST(CheckLayout, TooFewJointsLeaveItUndecided) {
   for (KeypointClip& clip : clips) {
     for (std::size_t i = 0; i < clip.confidence.size(); ++i) clip.confidence[i] = i % 25 < 4 ? 0.5F : 0.0F;
   }
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { CheckLayout(clips, ""); }), HasSubstr("--layout body_25 or body_25b"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { CheckLayout(clips, ""); }),
+              HasSubstr("`layout` body_25 or body_25b"));
   EXPECT_EQ(CheckLayout(clips, "body_25").name, "body_25");
 }
 
@@ -252,21 +253,22 @@ TEST(CheckLayout, OneCameraInAnotherLayoutIsRefused) {
   clips.push_back(Watch(*FindSkeleton("body_25"), kPostures[1], 45.0, 10.0, 30));
   clips.push_back(Watch(*FindSkeleton("body_25b"), kPostures[1], 200.0, 10.0, 30));
   clips.back().name = "odd";
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { CheckLayout(clips, ""); }), HasSubstr("camera odd has another"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { CheckLayout(clips, ""); }), HasSubstr("camera odd has another"));
 }
 
 TEST(CheckLayout, CountsAndNamesMustFit) {
   const std::vector<KeypointClip> clips = WatchByTwo(*FindSkeleton("halpe-26"), kPostures[0], 0.0, 0.0);
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { CheckLayout(clips, "body_25"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { CheckLayout(clips, "body_25"); }),
               AllOf(HasSubstr("expected 25 keypoints for layout body_25, found 26"), HasSubstr("halpe-26 (26)")));
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { CheckLayout(clips, "body_26"); }), HasSubstr("the layouts are"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { CheckLayout(clips, "body_26"); }),
+              HasSubstr("the layouts are"));
   EXPECT_EQ(CheckLayout(clips, "HALPE_26").name, "halpe-26");
   std::vector<KeypointClip> odd = clips;
   odd.resize(1);
   odd[0].keypoint_count = 13;
   odd[0].keypoints.resize(odd[0].keypoints.size() / 2);
   odd[0].confidence.resize(odd[0].confidence.size() / 2);
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { CheckLayout(odd, ""); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { CheckLayout(odd, ""); }),
               HasSubstr("as many keypoints as a known layout has"));
 }
 
@@ -278,7 +280,8 @@ TEST(CheckLayout, TheBalancingRecordingIsBody25b) {
     clips.push_back(FollowPerson(format.read(input), 1));
   }
   EXPECT_EQ(CheckLayout(clips, "").name, "body_25b");
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { CheckLayout(clips, "body_25"); }), HasSubstr("use --layout body_25b"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { CheckLayout(clips, "body_25"); }),
+              HasSubstr("use `layout` body_25b"));
   const LayoutFit fit = MeasureLayout(*FindSkeleton("body_25b"), clips);
   EXPECT_NEAR(fit.tree_ratio, 1.2, 0.1);
   EXPECT_LT(fit.asymmetry, 0.06);

@@ -66,7 +66,7 @@ TEST(NpzTest, NothingAppearsWithoutCommit) {
     writer.Add("a", std::vector<float>{1.0F}, {1});
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { NpzWriter(folder / "no" / "a.npz"); }), HasSubstr("a.npz"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { NpzWriter(folder / "no" / "a.npz"); }), HasSubstr("a.npz"));
 }
 
 TEST(NpzTest, ReadsWhatNumPyWrites) {
@@ -80,14 +80,14 @@ TEST(NpzTest, ReadsWhatNumPyWrites) {
     EXPECT_THAT(reader.ReadStrings("text"), ElementsAre("Hip", "Fuß"));
     EXPECT_THAT(reader.ReadStrings("bytes"), ElementsAre("Hip", "Foot"));
     EXPECT_THAT(reader.ReadStrings("scalar"), ElementsAre("mm"));
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)reader.Read("objects"); }),
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)reader.Read("objects"); }),
                 AllOf(HasSubstr("array objects"), HasSubstr("pickled")));
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)reader.Read("big_endian"); }), HasSubstr("'>f4'"));
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)reader.Read("half"); }), HasSubstr("astype"));
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)reader.Read("records"); }), HasSubstr("records"));
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)reader.Read("nothing"); }), HasSubstr("f4, f8"));
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)reader.ReadFloats("text", &shape); }), HasSubstr("text"));
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)reader.ReadStrings("f4"); }), HasSubstr("numbers"));
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)reader.Read("big_endian"); }), HasSubstr("'>f4'"));
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)reader.Read("half"); }), HasSubstr("astype"));
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)reader.Read("records"); }), HasSubstr("records"));
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)reader.Read("nothing"); }), HasSubstr("f4, f8"));
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)reader.ReadFloats("text", &shape); }), HasSubstr("text"));
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)reader.ReadStrings("f4"); }), HasSubstr("numbers"));
   }
 }
 
@@ -101,7 +101,7 @@ TEST(NpzTest, TextsOfNoWidthAreAsManyAsTheShapeSays) {
   EXPECT_EQ(count({2, 3}), 6U);
   EXPECT_EQ(count({0}), 0U);
   EXPECT_EQ(count({5, 0}), 0U);
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput,
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput,
                       [&] {
                         count({std::size_t{1} << 40, std::size_t{1} << 40});
                       }),
@@ -118,16 +118,16 @@ TEST(NpzTest, DamagedFilesAreRefusedInOneLine) {
   };
   for (std::size_t size = 0; size < whole.size(); size += 41) {
     WriteFileAtomically(folder / "bad.npz", std::string_view(whole).substr(0, size));
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, read_all), HasSubstr("bad.npz")) << size;
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, read_all), HasSubstr("bad.npz")) << size;
   }
   std::string flipped = whole;
   flipped[45] = static_cast<char>(flipped[45] ^ 0x55);  // within the data of the first array
   WriteFileAtomically(folder / "bad.npz", flipped);
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, read_all), HasSubstr("bad.npz"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, read_all), HasSubstr("bad.npz"));
   WriteFileAtomically(folder / "bad.npz", "no archive at all");
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, read_all), HasSubstr("npz"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { NpzReader(folder / "none.npz"); }), HasSubstr("check the path"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { NpzReader(folder / std::string(300, 'x')); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, read_all), HasSubstr("npz"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { NpzReader(folder / "none.npz"); }), HasSubstr("check the path"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { NpzReader(folder / std::string(300, 'x')); }),
               HasSubstr("File name too long"));
 }
 

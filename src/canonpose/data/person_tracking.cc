@@ -240,7 +240,7 @@ void LogChoice(const DetectedCamera& camera, const std::vector<PersonTrack>& tra
           chosen.sightings.size(), frames);
   if (number == 1 && tracks[1].prominence > kCloseCallShare * chosen.prominence) {
     LogWarning(
-        "{}: the second most prominent person is {:.0f} % as prominent as the one followed; choose with --person {}=2",
+        "{}: the second most prominent person is {:.0f} % as prominent as the one followed; choose with `person` {}=2",
         camera.name, 100.0 * tracks[1].prominence / chosen.prominence, camera.name);
   }
 }
@@ -276,7 +276,7 @@ KeypointClip FollowPerson(const DetectedCamera& camera, int number) {
   const std::vector<PersonTrack> tracks = TrackPeople(camera);
   if (number < 1 || number > static_cast<int>(tracks.size())) {
     ThrowBadInput({camera.path, "", fmt::format("{} people in camera {}", number, camera.name),
-                   fmt::format("{}", tracks.size()), "choose a smaller --person"});
+                   fmt::format("{}", tracks.size()), "choose a smaller `person`"});
   }
   LogChoice(camera, tracks, number);
   LogLosses(camera, tracks, number);

@@ -211,10 +211,10 @@ TEST(FollowPerson, TakesTheMostProminentOrTheOneAskedFor) {
   }
   EXPECT_THAT(ReadFile(folder / "log"),
               AllOf(HasSubstr("cam: 2 people seen; following the most prominent, in 50 of 50 frames"),
-                    Not(HasSubstr("--person"))));
+                    Not(HasSubstr("`person`"))));
   EXPECT_NEAR(clip.keypoints[1], 250.0F, 10.0F);
   EXPECT_NEAR(FollowPerson(scene.camera, 2).keypoints[1], 350.0F, 10.0F);
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { FollowPerson(scene.camera, 3); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { FollowPerson(scene.camera, 3); }),
               HasSubstr("somewhere: expected 3 people in camera cam, found 2"));
 }
 
@@ -225,7 +225,7 @@ TEST(FollowPerson, ACloseCallIsAWarning) {
     const LogFile log(folder / "log");
     FollowPerson(scene.camera, 1);
   }
-  EXPECT_THAT(ReadFile(folder / "log"), HasSubstr("choose with --person cam=2"));
+  EXPECT_THAT(ReadFile(folder / "log"), HasSubstr("choose with `person` cam=2"));
 }
 
 TEST(FollowPerson, FramesWithoutThePersonStayMissing) {

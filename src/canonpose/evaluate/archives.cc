@@ -40,7 +40,7 @@ std::vector<std::string> JointNames(const PoseArchive& predicted, const PoseArch
 int RootOf(const std::vector<std::string>& joints, const std::optional<int>& chosen) {
   if (chosen) {
     if (*chosen >= 0 && *chosen < static_cast<int>(joints.size())) return *chosen;
-    ThrowUsage("--root {}: there are joints 0 to {}", *chosen, joints.size() - 1);
+    ThrowInvalidArgument("`root` {}: there are joints 0 to {}", *chosen, joints.size() - 1);
   }
   for (const Skeleton& skeleton : BuiltinSkeletons()) {
     Skeleton named = skeleton;

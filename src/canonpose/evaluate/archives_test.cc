@@ -54,9 +54,9 @@ TEST(ArchivesTest, TheRootComesFromTheNamesOrTheUser) {
   report = EvaluateArchives(folder / "predicted.npz", folder / "truth.npz", options);
   EXPECT_GT(report.per_joint[6].second.n_mpjpe_mm, 100.0);
   options.root = 16;
-  EXPECT_THAT(
-      ErrorOf(ExitCode::kUsage, [&] { EvaluateArchives(folder / "predicted.npz", folder / "truth.npz", options); }),
-      HasSubstr("0 to 15"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument,
+                      [&] { EvaluateArchives(folder / "predicted.npz", folder / "truth.npz", options); }),
+              HasSubstr("0 to 15"));
 }
 
 TEST(ArchivesTest, RowsAndJointsAreChosen) {
@@ -74,7 +74,7 @@ TEST(ArchivesTest, RowsAndJointsAreChosen) {
   EXPECT_LT(report.metrics.n_mpjpe_mm, 1e-6);
   options.frames = {2, 9};
   EXPECT_THAT(
-      ErrorOf(ExitCode::kBadInput, [&] { EvaluateArchives(folder / "predicted.npz", folder / "truth.npz", options); }),
+      ErrorOf(ErrorKind::kBadInput, [&] { EvaluateArchives(folder / "predicted.npz", folder / "truth.npz", options); }),
       HasSubstr("poses from 2 on"));
 }
 
@@ -84,17 +84,17 @@ TEST(ArchivesTest, ArchivesThatDoNotBelongTogetherAreRefused) {
   WritePoses(folder / "truth.npz", 1.0F, -1, joints);
   std::swap(joints[0], joints[3]);
   WritePoses(folder / "other.npz", 1.0F, -1, joints);
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { EvaluateArchives(folder / "other.npz", folder / "truth.npz", {}); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { EvaluateArchives(folder / "other.npz", folder / "truth.npz", {}); }),
               HasSubstr("same order"));
   NpzWriter fewer(folder / "fewer.npz");
   fewer.Add("pose3d", std::vector<float>(48, 1.0F), {1, 16, 3});
   fewer.Commit();
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { EvaluateArchives(folder / "fewer.npz", folder / "truth.npz", {}); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { EvaluateArchives(folder / "fewer.npz", folder / "truth.npz", {}); }),
               AllOf(HasSubstr("(2, 16, 3)"), HasSubstr("(1, 16, 3)")));
   NpzWriter flat(folder / "flat.npz");
   flat.Add("pose3d", std::vector<float>(48, 1.0F), {1, 48});
   flat.Commit();
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadPoseArchive(folder / "flat.npz"); }), HasSubstr("(1, 48)"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadPoseArchive(folder / "flat.npz"); }), HasSubstr("(1, 48)"));
 }
 
 }  // namespace

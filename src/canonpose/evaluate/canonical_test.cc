@@ -63,7 +63,7 @@ TEST(CanonicalTest, PosesWithoutScaleAndFramesOfOneView) {
 
 TEST(CanonicalTest, BodiesWithoutHipsAndNoPoseAtAll) {
   CanonicalSpread spread({"", {"Tail", "Snout"}, {-1, 0}, 0, {0, 1}});
-  EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { (void)spread.Finish(); }), HasSubstr("--canonical"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kComputation, [&] { (void)spread.Finish(); }), HasSubstr("`canonical`"));
   spread.AddView(std::vector<float>(6, 1.0F).data(), Scale(1.0));
   spread.EndFrame();
   EXPECT_FALSE(spread.Finish().right_hip_std_mm.has_value());

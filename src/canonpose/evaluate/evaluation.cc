@@ -48,12 +48,12 @@ void Evaluation::LeaveOut(const std::vector<std::string>& left_out) {
     const auto found =
         std::find_if(names_.begin(), names_.end(), [&](const std::string& joint) { return SameName(joint, name); });
     if (found == names_.end()) {
-      ThrowUsage("there is no joint '{}' to leave out; the joints are {}", name, fmt::join(names_, ", "));
+      ThrowInvalidArgument("there is no joint '{}' to leave out; the joints are {}", name, fmt::join(names_, ", "));
     }
     joints_.included[static_cast<std::size_t>(found - names_.begin())] = false;
   }
   if (std::none_of(joints_.included.begin(), joints_.included.end(), [](bool included) { return included; })) {
-    ThrowUsage("all joints are left out");
+    ThrowInvalidArgument("all joints are left out");
   }
 }
 

@@ -16,7 +16,8 @@ namespace canonpose {
 /// Takes poses one by one and sums them up.
 class Evaluation {
  public:
-  /// `left_out` are names of joints, in whatever case. Throws Error(kUsage) where one is unknown or none would be left.
+  /// `left_out` are names of joints, in whatever case. Throws Error(kInvalidArgument) where one is unknown or none
+  /// would be left.
   Evaluation(std::vector<std::string> joint_names, int root, const std::vector<std::string>& left_out,
              Protocol protocol = FindProtocol(kAllFrames));
 

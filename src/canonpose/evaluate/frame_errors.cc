@@ -36,7 +36,7 @@ std::vector<T> Column(const Rows& rows, ValueOf value_of) {
 
 void FrameErrors::RequireFormat(const fs::path& path) {
   if (path.extension() == ".csv" || path.extension() == ".npz") return;
-  ThrowUsage("--frame-errors {}: the name must end in .csv or .npz", path.string());
+  ThrowInvalidArgument("`frame_errors` {}: the name must end in .csv or .npz", path.string());
 }
 
 void FrameErrors::Add(const PoseSource& source, const PoseErrors& errors, bool mirrored) {

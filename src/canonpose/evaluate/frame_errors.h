@@ -20,7 +20,7 @@ struct PoseSource {
 
 class FrameErrors {
  public:
-  /// Throws Error(kUsage) where `path` ends in neither .csv nor .npz.
+  /// Throws Error(kInvalidArgument) where `path` ends in neither .csv nor .npz.
   static void RequireFormat(const std::filesystem::path& path);
 
   /// How many poses there are.

@@ -53,7 +53,8 @@ TEST(FrameErrorsTest, NpzHasTheJointsToo) {
 }
 
 TEST(FrameErrorsTest, OtherFormatsAreRefused) {
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [] { FrameErrors::RequireFormat("errors.txt"); }), HasSubstr(".csv or .npz"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [] { FrameErrors::RequireFormat("errors.txt"); }),
+              HasSubstr(".csv or .npz"));
   FrameErrors::RequireFormat("errors.csv");
 }
 

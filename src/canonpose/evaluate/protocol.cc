@@ -79,7 +79,7 @@ const Protocol& FindProtocol(const std::string& name) {
   }
   std::vector<std::string> lines;
   for (const Protocol& protocol : Protocols()) lines.push_back(fmt::format("{}: {}", protocol.name, protocol.summary));
-  ThrowUsage("--protocol {}: there is none of this name; there are\n  {}", name, fmt::join(lines, "\n  "));
+  ThrowInvalidArgument("`protocol` {}: there is none of this name; there are\n  {}", name, fmt::join(lines, "\n  "));
 }
 
 std::string HeadlineName(const Protocol& protocol) {

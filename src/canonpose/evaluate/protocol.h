@@ -64,7 +64,7 @@ inline constexpr const char* kAllFrames = "all-frames";
 /// All of them, the default first.
 const std::vector<Protocol>& Protocols();
 
-/// Throws Error(kUsage) that lists the names with a line each where there is none.
+/// Throws Error(kInvalidArgument) that lists the names with a line each where there is none.
 const Protocol& FindProtocol(const std::string& name);
 
 /// "N-MPJPE" and the key it has in the evaluation's JSON.

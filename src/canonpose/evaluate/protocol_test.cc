@@ -32,7 +32,7 @@ TEST(ProtocolTest, AnUnknownNameListsThoseThereAre) {
     FindProtocol("h36m");
     FAIL() << "no Error was thrown";
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::kUsage);
+    EXPECT_EQ(error.kind(), ErrorKind::kInvalidArgument);
     for (const Protocol& protocol : Protocols()) {
       EXPECT_THAT(error.what(), HasSubstr("\n  " + protocol.name + ": " + protocol.summary));
     }

@@ -58,7 +58,7 @@ ReferencePoses::ReferencePoses(const Dataset& dataset, const std::string& file) 
   const bool has_truth = dataset.HasTruth();
   if (!has_truth && !dataset.HasCalibration()) {
     ThrowBadInput({file, "", "truth or a calibration to evaluate against", "neither",
-                   "import the data with --calibration, or evaluate other data"});
+                   "import the data with `calibration`, or evaluate other data"});
   }
   triangulated_ = !has_truth;
   for (const Sequence& sequence : dataset.sequences) {

@@ -70,7 +70,7 @@ std::string Heading(const EvaluationReport& report) {
   }
   text += fmt::format("\nMirrored in depth: {:.1f} % of the poses", MirroredPercent(report));
   if (2 * report.mirrored > report.metrics.poses)
-    text += " (train again with --mirror flip, or keep where `info` says it was flipped)";
+    text += " (train again with `mirror` flip, or keep where `info` says it was flipped)";
   text += fmt::format("\nDepth of the poses: {:.2f} times the truth's", report.depth_extent_ratio);
   if (report.cameras) {
     text += fmt::format(

@@ -75,12 +75,12 @@ TEST(ReportTest, JointsAreLeftOutByName) {
   EXPECT_THAT(report.left_out_joints, ElementsAre("A"));
   EXPECT_THAT(report.protocol, HasSubstr("without A"));
   EXPECT_EQ(report.per_joint.size(), 4U);
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [] { Evaluation(kNames, 0, {"Tail"}); }), HasSubstr("Hip, A, B"));
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [] { Evaluation(kNames, 0, kNames); }), HasSubstr("all joints"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [] { Evaluation(kNames, 0, {"Tail"}); }), HasSubstr("Hip, A, B"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [] { Evaluation(kNames, 0, kNames); }), HasSubstr("all joints"));
 }
 
 TEST(ReportTest, NothingToEvaluateIsAnError) {
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput,
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput,
                       [] {
                         (void)Evaluation(kNames, 0, {}).Finish({"truth", {}}, "a.h5");
                       }),
@@ -161,8 +161,8 @@ TEST(ReferenceTest, TruthGoesBeforeCalibration) {
 TEST(ReferenceTest, NeitherIsAnError) {
   Dataset dataset = TwoCameras();
   for (CameraView& view : dataset.sequences[0].cameras) view.calibration.clear();
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReferencePoses(dataset, "a.h5"); }),
-              AllOf(HasSubstr("a.h5"), HasSubstr("--calibration")));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReferencePoses(dataset, "a.h5"); }),
+              AllOf(HasSubstr("a.h5"), HasSubstr("`calibration`")));
 }
 
 }  // namespace

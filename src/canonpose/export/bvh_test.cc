@@ -139,7 +139,7 @@ TEST(WriteBvh, AnglesGoOnFromFrameToFrame) {
 }
 
 TEST(WriteBvh, LeavesTheOldFileWhereItCannotWrite) {
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [] { WriteBvh("/nonexistent/a.bvh", RandomMotion(1)); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { WriteBvh("/nonexistent/a.bvh", RandomMotion(1)); }),
               ::testing::HasSubstr("/nonexistent/a.bvh"));
 }
 

@@ -94,7 +94,7 @@ TEST(KeypointFiles, AFolderThatIsThereIsKept) {
   fs::create_directories(folder / "cam");
   std::ofstream(folder / "cam" / "mine.json") << "{}";
   const CameraView view = Detected(Simulate("body_25b"), 0);
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { WriteOpenPose(folder / "cam", view, 25); }), HasSubstr("remove it"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { WriteOpenPose(folder / "cam", view, 25); }), HasSubstr("remove it"));
   EXPECT_TRUE(fs::exists(folder / "cam" / "mine.json"));
 }
 

@@ -14,7 +14,7 @@ WriteFunction WriterFor(const std::filesystem::path& path) {
   if (extension == ".npz") return WriteLiftNpz;
   if (extension == ".csv") return WriteLiftCsv;
   if (extension == ".json") return WriteLiftJson;
-  ThrowUsage("{}: poses can be written as .npz, .csv or .json", path.string());
+  ThrowInvalidArgument("{}: poses can be written as .npz, .csv or .json", path.string());
 }
 
 }  // namespace

@@ -20,11 +20,11 @@ struct LiftOutput {
   double fps = 0.0;                  ///< 0 where unknown
 };
 
-/// Writes the format that the path's extension names: .npz, .csv or .json. Throws Error(kUsage) for any other and
-/// Error(kBadInput) where the file cannot be written.
+/// Writes the format that the path's extension names: .npz, .csv or .json. Throws Error(kInvalidArgument) for any other
+/// and Error(kBadInput) where the file cannot be written.
 void WriteLiftOutput(const std::filesystem::path& path, const LiftOutput& output);
 
-/// Throws the Error(kUsage) of WriteLiftOutput() before any work is done.
+/// Throws the Error(kInvalidArgument) of WriteLiftOutput() before any work is done.
 void RequireLiftFormat(const std::filesystem::path& path);
 
 /// Arrays pose3d, canonical, rotation, joints, frames, and units as text; fps where it is known.

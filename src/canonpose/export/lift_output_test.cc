@@ -83,8 +83,9 @@ TEST(LiftOutputTest, NoFramesIsStillAFile) {
 }
 
 TEST(LiftOutputTest, OtherExtensionsAreAUsageError) {
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [] { WriteLiftOutput("a.txt", Sample()); }), HasSubstr(".npz, .csv or .json"));
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [] { RequireLiftFormat("poses"); }), HasSubstr("poses"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [] { WriteLiftOutput("a.txt", Sample()); }),
+              HasSubstr(".npz, .csv or .json"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [] { RequireLiftFormat("poses"); }), HasSubstr("poses"));
 }
 
 }  // namespace

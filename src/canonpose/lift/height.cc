@@ -67,7 +67,7 @@ void ScaleToHeight(LiftedPoses& poses, const Skeleton& skeleton, double height_m
     right = skeleton.Find(pair[1]).value_or(-1);
   }
   if (head < 0 || left < 0 || right < 0) {
-    ThrowBadInput({"--height", "", "a skeleton with ankles and a head", "none in the model's", "leave --height out"});
+    ThrowBadInput({"`height`", "", "a skeleton with ankles and a head", "none in the model's", "leave `height` out"});
   }
   const std::size_t stride = static_cast<std::size_t>(poses.joint_count) * 3;
   std::vector<double> ratios;  // path from ankle to head over the sum of bones

@@ -140,7 +140,7 @@ LiftedPoses PoseLifter::LiftMorphed(const CameraView& view, int frame_count) con
     LogWarning(
         "{}: the model turns poses onto the optical axis, for which the image size must be known: poses beside the "
         "axis "
-        "come out tilted (--image-size WxH)",
+        "come out tilted (`image_size` WxH)",
         view.name.empty() ? "the view" : view.name);
   }
   LiftBatch batch(info().input.ray != "off");

@@ -128,7 +128,7 @@ TEST(PoseLifter, FramesWithoutAPersonStayMissing) {
 TEST(PoseLifter, RefusesAnotherSkeleton) {
   const TemporaryFolder folder;
   const PoseLifter lifter = PoseLifter::Open(WriteModel(folder));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { lifter.RequireSkeleton(*FindSkeleton("coco-17"), "data.h5"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { lifter.RequireSkeleton(*FindSkeleton("coco-17"), "data.h5"); }),
               AllOf(HasSubstr("data.h5"), HasSubstr("Hip"), HasSubstr("LEye")));
 }
 

@@ -36,7 +36,7 @@ h5::File OpenModel(const fs::path& path) {
   const fs::path file_path = ModelPath(path);
   if (fs::is_directory(path) && !fs::exists(file_path)) {
     ThrowBadInput({path.string(), "", "a training run with a finished model.cpm", "none in this folder",
-                   fmt::format("finish the training with: canonpose train ... -o {} --resume", path.string())});
+                   fmt::format("finish the training with: canonpose train ... -o {} `resume`", path.string())});
   }
   h5::File file = h5::File::OpenForReading(file_path);
   RequireModel(file.root());
@@ -177,9 +177,7 @@ void WriteModelFile(const fs::path& path, const ModelFile& model) {
 
 namespace {
 
-ModelFile ReadModel(h5::File file) {
-  return {ReadModelInfo(file.root()), ReadArrays(file.root().Open("parameters"))};
-}
+ModelFile ReadModel(h5::File file) { return {ReadModelInfo(file.root()), ReadArrays(file.root().Open("parameters"))}; }
 
 }  // namespace
 

@@ -87,7 +87,7 @@ TEST(ModelFile, RotationAndInputFormAreKeptAndOlderFilesHaveNone) {
   EXPECT_EQ(turned_file.root().GetInt("version"), 2);
   model.info.input.ray = "sideways";
   WriteModelFile(folder / "odd.cpm", model);
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadModelFile(folder / "odd.cpm"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadModelFile(folder / "odd.cpm"); }),
               AllOf(HasSubstr("attribute ray"), HasSubstr("off, root"), HasSubstr("sideways")));
 }
 
@@ -125,7 +125,7 @@ TEST(ModelFile, RefusesOtherVersionsFormatsAndTruncations) {
   const std::string whole = ReadFile(folder / "model.cpm");
   for (std::size_t size = 0; size < whole.size(); size += whole.size() / 17) {
     WriteFileAtomically(folder / "cut.cpm", whole.substr(0, size));
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadModelFile(folder / "cut.cpm"); }), HasSubstr("cut.cpm"));
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadModelFile(folder / "cut.cpm"); }), HasSubstr("cut.cpm"));
   }
   {
     h5::File file = h5::File::CreateAt(folder / "other.cpm");
@@ -133,15 +133,15 @@ TEST(ModelFile, RefusesOtherVersionsFormatsAndTruncations) {
     file.root().SetInt("version", 9);
     file.Commit();
   }
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadModelFile(folder / "other.cpm"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadModelFile(folder / "other.cpm"); }),
               AllOf(HasSubstr("version"), HasSubstr("expected 1 to 3"), HasSubstr("found 9")));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadModelFile(folder / "nothing.cpm"); }), HasSubstr("nothing.cpm"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadModelFile(folder / "nothing.cpm"); }), HasSubstr("nothing.cpm"));
 }
 
 TEST(ModelFile, RefusesWeightsOfAnotherWidth) {
   ModelFile model = Example();
   model.info.width = 32;
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { MakeLifter(model, "model.cpm", torch::kCPU); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { MakeLifter(model, "model.cpm", torch::kCPU); }),
               AllOf(HasSubstr("upscale.weight"), HasSubstr("(32, 51)"), HasSubstr("(16, 51)")));
 }
 

@@ -39,7 +39,7 @@ PoseMorph PoseMorph::Of(std::shared_ptr<const ModelFile> model, const std::strin
   RequireDevice(device);
   if (model->info.network != kMorphNetwork) {
     ThrowBadInput({file, "", "a model made by `canonpose train-morph`", "a lifter",
-                   "train a morphing network, or leave --morph out"});
+                   "train a morphing network, or leave `morph` out"});
   }
   const torch::Device torch_device(device == "cuda" ? torch::kCUDA : torch::kCPU);
   Morph network(model->info.skeleton.joint_count(), model->info.width);

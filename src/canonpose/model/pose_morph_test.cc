@@ -111,17 +111,17 @@ TEST(PoseMorph, RefusesLiftersAndOtherJoints) {
   ModelFile lifter = MovesOneJoint(0.0F, 0.0F);
   lifter.info.network = "canonical";
   EXPECT_THAT(
-      ErrorOf(ExitCode::kBadInput, [&] { PoseMorph::Of(std::make_shared<const ModelFile>(lifter), "lifter.cpm"); }),
+      ErrorOf(ErrorKind::kBadInput, [&] { PoseMorph::Of(std::make_shared<const ModelFile>(lifter), "lifter.cpm"); }),
       HasSubstr("train-morph"));
   WriteModelFile(folder / "morph.cpm", MovesOneJoint(0.0F, 0.0F));
   const PoseMorph morph = PoseMorph::Open(folder / "morph.cpm");
   Dataset dataset;
   dataset.skeleton = ThreeJoints();
   dataset.skeleton.joints[1] = "Other";
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { morph.Apply(dataset, "data.h5"); }), HasSubstr("Other"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { morph.Apply(dataset, "data.h5"); }), HasSubstr("Other"));
   EXPECT_THAT(
-      ErrorOf(ExitCode::kBadInput, [&] { MakeLifter(ReadModelFile(folder / "morph.cpm"), "morph.cpm", torch::kCPU); }),
-      HasSubstr("--morph"));
+      ErrorOf(ErrorKind::kBadInput, [&] { MakeLifter(ReadModelFile(folder / "morph.cpm"), "morph.cpm", torch::kCPU); }),
+      HasSubstr("`morph`"));
 }
 
 }  // namespace

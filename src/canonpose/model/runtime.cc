@@ -16,9 +16,9 @@
 namespace canonpose {
 
 void RequireDevice(const std::string& device) {
-  if (device != "cpu" && device != "cuda") ThrowUsage("--device: expected cpu or cuda, found {}", device);
+  if (device != "cpu" && device != "cuda") ThrowInvalidArgument("`device`: expected cpu or cuda, found {}", device);
   if (device == "cuda" && !at::hasCUDA()) {
-    ThrowBadInput({"--device cuda", "", "a LibTorch with CUDA and an NVIDIA GPU", "none on this machine",
+    ThrowBadInput({"`device` cuda", "", "a LibTorch with CUDA and an NVIDIA GPU", "none on this machine",
                    "leave the option out to use the CPU, or build against a LibTorch with CUDA"});
   }
 }
@@ -77,9 +77,8 @@ LinearAlgebraSpeed MeasureLinearAlgebra() {
     const float one = 1.0F;
     const float zero = 0.0F;
     const auto* values = a.data_ptr<float>();
-    speed.openblas_gflops = MeasureGflops([&] {
-      sgemm("N", "N", &n, &n, &n, &one, values, &n, values, &n, &zero, c.data_ptr<float>(), &n);
-    });
+    speed.openblas_gflops = MeasureGflops(
+        [&] { sgemm("N", "N", &n, &n, &n, &one, values, &n, values, &n, &zero, c.data_ptr<float>(), &n); });
   }
   SetThreadCount(threads_before);
   return speed;

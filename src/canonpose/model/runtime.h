@@ -6,7 +6,8 @@
 
 namespace canonpose {
 
-/// "cpu" or "cuda". Throws Error(kUsage) for other words, Error(kBadInput) where this LibTorch or machine has no CUDA.
+/// "cpu" or "cuda". Throws Error(kInvalidArgument) for other words, Error(kBadInput) where this LibTorch or machine has
+/// no CUDA.
 void RequireDevice(const std::string& device);
 
 /// The library that multiplies LibTorch's matrices, by path, "MKL", or "" where it cannot be told.
@@ -24,8 +25,8 @@ LinearAlgebraSpeed MeasureLinearAlgebra();
 /// Warns once where a slower library does, which something like LD_PRELOAD must then have put before it.
 void WarnAboutSlowLinearAlgebra();
 
-/// Sets the number of threads that networks are computed with; 0: one, which is the fastest for narrow networks and never
-/// waits for a core that another program uses.
+/// Sets the number of threads that networks are computed with; 0: one, which is the fastest for narrow networks and
+/// never waits for a core that another program uses.
 void SetThreadCount(int threads);
 int ThreadCount();
 

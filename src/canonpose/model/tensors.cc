@@ -73,7 +73,7 @@ std::shared_ptr<LiftingNetwork> MakeNetwork(const ModelInfo& info) {
 
 std::shared_ptr<LiftingNetwork> MakeLifter(const ModelFile& model, const std::string& file, torch::Device device) {
   if (model.info.network == kMorphNetwork) {
-    ThrowBadInput({file, "", "a lifter", "a network that morphs 2D poses", "give it as --morph, and a lifter here"});
+    ThrowBadInput({file, "", "a lifter", "a network that morphs 2D poses", "give it as `morph`, and a lifter here"});
   }
   std::shared_ptr<LiftingNetwork> network = MakeNetwork(model.info);
   LoadParameters(*network, model.parameters, file);

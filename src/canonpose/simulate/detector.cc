@@ -199,7 +199,7 @@ void DetectorOptions::Validate() const {
                                                {"sync-jitter", sync_jitter, kMaxSyncFrames}}};
   for (const Strength& strength : strengths) {
     if (!(strength.value >= 0.0 && strength.value <= strength.most)) {
-      ThrowUsage("--{} {} is out of range; give 0 to {}", strength.name, strength.value, strength.most);
+      ThrowInvalidArgument("--{} {} is out of range; give 0 to {}", strength.name, strength.value, strength.most);
     }
   }
 }

@@ -31,7 +31,7 @@ struct DetectorOptions {
   /// Each camera's clock is off by a normal error of this many frames, the same over a clip; off by default.
   double sync_jitter = 0.0;
 
-  /// Throws Error(kUsage) naming the first option that is out of range (0 to 10; sync_jitter 0 to 100).
+  /// Throws Error(kInvalidArgument) naming the first option that is out of range (0 to 10; sync_jitter 0 to 100).
   void Validate() const;
 };
 
@@ -39,12 +39,12 @@ struct DetectorOptions {
 struct Detections {
   std::vector<float> keypoints;   ///< (T, K, 2) pixels; NaN where not detected
   std::vector<float> confidence;  ///< (T, K) 0..1; 0 where not detected
-  /// What went wrong, per joint (T, K), for statistics: a combination of ErrorKind. kOccluded is told where hidden
+  /// What went wrong, per joint (T, K), for statistics: a combination of DetectionErrorKind. kOccluded is told where hidden
   /// joints have errors of their own (occlusion > 0), kMissed also of every joint of a missed frame.
   std::vector<std::uint8_t> errors;
 };
 
-enum ErrorKind : std::uint8_t { kOccluded = 1, kSwapped = 2, kOutlier = 4, kMissed = 8, kOutsideImage = 16 };
+enum DetectionErrorKind : std::uint8_t { kOccluded = 1, kSwapped = 2, kOutlier = 4, kMissed = 8, kOutsideImage = 16 };
 
 /// The joints a detector finds, made from landmarks.
 struct DetectorLayout {

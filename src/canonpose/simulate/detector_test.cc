@@ -39,7 +39,7 @@ Eigen::Vector2d Keypoint(const Detections& detections, std::size_t at) {
 
 /// The detections of all cameras of a rig: shares of joints by kind of error, and errors (heights) of the joints found.
 struct Outcome {
-  double Share(ErrorKind kind) const {
+  double Share(DetectionErrorKind kind) const {
     int count = 0;
     for (const std::uint8_t e : errors) count += (e & kind) != 0 ? 1 : 0;
     return static_cast<double>(count) / static_cast<double>(errors.size());
@@ -165,7 +165,7 @@ TEST(Detect, RepeatsBitForBit) {
 TEST(Detect, EachStrengthAtZeroLeavesItsKindOutAndMoreMeansMore) {
   struct Kind {
     double DetectorOptions::*strength;
-    ErrorKind kind;
+    DetectionErrorKind kind;
     double least_growth;  ///< from 1 to 2
   };
   // kMissed is told by joints and by frames: each alone is judged with the other off. Hidden is hidden: no growth.
@@ -297,7 +297,7 @@ TEST(Detect, ConfidenceThatTellsErrorsPerfectlyFallsWithThem) {
 TEST(Detect, SharesOfErrorsDoNotDependOnTheFrameRate) {
   const Outcome slow = RunDetector(DetectorOptions{}, 6000, "studio", 1, 5.0);
   const Outcome fast = RunDetector(DetectorOptions{}, 12000, "studio", 1, 50.0);
-  for (const ErrorKind kind : {kSwapped, kOutlier, kMissed}) {
+  for (const DetectionErrorKind kind : {kSwapped, kOutlier, kMissed}) {
     EXPECT_NEAR(slow.Share(kind) / fast.Share(kind), 1.0, 0.35) << static_cast<int>(kind);
   }
 }
@@ -366,7 +366,8 @@ TEST(DetectorOptions, RefusesWhatCannotBe) {
   for (const double value : {-1.0, 11.0, static_cast<double>(NAN)}) {
     DetectorOptions options;
     options.missed_joints = value;
-    EXPECT_NE(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }).find("--missed-joints"), std::string::npos);
+    EXPECT_NE(ErrorOf(ErrorKind::kInvalidArgument, [&] { options.Validate(); }).find("`missed_joints`"),
+              std::string::npos);
   }
   DetectorOptions{}.Validate();
 }

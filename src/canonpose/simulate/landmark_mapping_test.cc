@@ -210,11 +210,11 @@ TEST(LandmarkMapping, TheFaceTurnsWithTheHeadAndTheToesWithTheFoot) {
 
 TEST(LandmarkMapping, NamesTheJointsThatAreMissing) {
   const ArticulatedMotion motion = Renamed({{"LeftFoot", "Thing"}, {"RightForeArm", "Other"}});
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { MakeLandmarkTrack(motion, "a.bvh"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { MakeLandmarkTrack(motion, "a.bvh"); }),
               AllOf(HasSubstr("a.bvh"), HasSubstr("expected LFoot, RElbow under"), HasSubstr("Hips, Spine")));
   ArticulatedMotion flat = Renamed({});
   for (MotionJoint& joint : flat.joints) joint.offset_mm.setZero();
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { MakeLandmarkTrack(flat, "a.bvh"); }), HasSubstr("rest pose"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { MakeLandmarkTrack(flat, "a.bvh"); }), HasSubstr("rest pose"));
 }
 
 // What recorded clips must show, whoever recorded them. Each measure is of one side or of the body's frame, so that

@@ -73,7 +73,7 @@ Activity ParseActivity(std::string_view name) {
     if (entry.name == name) return entry.activity;
     names += fmt::format("{}{}", names.empty() ? "" : ", ", entry.name);
   }
-  ThrowUsage("there is no activity '{}'; choose from {}", name, names);
+  ThrowInvalidArgument("there is no activity '{}'; choose from {}", name, names);
 }
 
 ArticulatedMotion MakeProceduralMotion(const ProceduralClip& clip) {

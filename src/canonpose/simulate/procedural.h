@@ -17,7 +17,7 @@ enum class Activity { kGait, kRun, kJump, kSquat, kSit, kReach, kThrow, kGesture
 const std::vector<Activity>& AllActivities();
 /// "gait", "run", ...
 std::string_view ActivityName(Activity activity);
-/// By name; throws Error(kUsage) listing the names.
+/// By name; throws Error(kInvalidArgument) listing the names.
 Activity ParseActivity(std::string_view name);
 
 struct ProceduralClip {

@@ -76,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(Procedural, EveryActivity, ::testing::ValuesIn(AllActiv
 TEST(Procedural, NamesActivities) {
   ASSERT_EQ(AllActivities().size(), 10U);
   for (const Activity activity : AllActivities()) EXPECT_EQ(ParseActivity(ActivityName(activity)), activity);
-  const std::string message = testing::ErrorOf(ExitCode::kUsage, [] { ParseActivity("swim"); });
+  const std::string message = testing::ErrorOf(ErrorKind::kInvalidArgument, [] { ParseActivity("swim"); });
   EXPECT_NE(message.find("'swim'"), std::string::npos);
   EXPECT_NE(message.find("gait, run, jump"), std::string::npos);
 }

@@ -85,23 +85,24 @@ bool RigOptions::IsFile() const {
 
 void RigOptions::Validate() const {
   if (cameras < 0 || cameras == 1 || cameras > kMaxCameras) {
-    throw Error(ExitCode::kBadInput,
-                fmt::format("--cameras {}: expected 2 to {} cameras, or 0 for as many as the rig has by itself",
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("`cameras` {}: expected 2 to {} cameras, or 0 for as many as the rig has by itself",
                             cameras, kMaxCameras));
   }
   if (!IsBuiltinKind(kind) && !IsFile()) {
-    ThrowUsage("--rig {} is not known; choose studio, ring, ptz, handheld or a JSON file", kind);
+    ThrowInvalidArgument("`rig` {} is not known; choose studio, ring, ptz, handheld or a JSON file", kind);
   }
   if (spread != "even" && spread != "opposite" && spread != "quarter" && spread != "clustered") {
-    ThrowUsage("--spread {} is not known; choose even, opposite, quarter or clustered", spread);
+    ThrowInvalidArgument("`spread` {} is not known; choose even, opposite, quarter or clustered", spread);
   }
   if (!(distance_m == 0.0 || (distance_m >= 1.0 && distance_m <= 1000.0))) {
-    ThrowUsage("--distance {} is out of range; give 1 to 1000 m, or 0 for the rig's own", distance_m);
+    ThrowInvalidArgument("`distance` {} is out of range; give 1 to 1000 m, or 0 for the rig's own", distance_m);
   }
-  if (!(distortion >= 0.0 && distortion <= 2.0)) ThrowUsage("--distortion {} is out of range; give 0 to 2", distortion);
+  if (!(distortion >= 0.0 && distortion <= 2.0))
+    ThrowInvalidArgument("`distortion` {} is out of range; give 0 to 2", distortion);
   if (IsFile() && (cameras != 0 || spread != "even" || distance_m != 0.0 || distortion != 0.0)) {
-    ThrowUsage("--rig {} says itself where its cameras are; leave out --cameras, --spread, --distance and --distortion",
-               kind);
+    ThrowInvalidArgument(
+        "`rig` {} says itself where its cameras are; leave out `cameras`, `spread`, `distance` and `distortion`", kind);
   }
 }
 

@@ -25,8 +25,8 @@ struct RigOptions {
   double distance_m = 0.0;
   double distortion = 0.0;  ///< strength of the lenses' distortion: 0 none, 1 that of a usual sports camera
 
-  /// Throws Error(kBadInput) for a number of cameras that cannot be, Error(kUsage) naming the first other option that
-  /// is out of range. A rig file takes no options beside it.
+  /// Throws Error(kBadInput) for a number of cameras that cannot be, Error(kInvalidArgument) naming the first other
+  /// option that is out of range. A rig file takes no options beside it.
   void Validate() const;
   /// Whether the kind is a file's path.
   [[nodiscard]] bool IsFile() const;

@@ -62,7 +62,7 @@ class RigFile : public ::testing::Test {
   std::string Refusal(Change&& change) {
     Json json = good_;
     change(json);
-    const std::string message = ErrorOf(ExitCode::kBadInput, [&] { Read(json); });
+    const std::string message = ErrorOf(ErrorKind::kBadInput, [&] { Read(json); });
     const std::string file = (folder_ / "rig.json").string();
     EXPECT_THAT(message, HasSubstr(file));
     return message.substr(std::min(message.size(), file.size() + 2));
@@ -162,24 +162,24 @@ TEST_F(RigFile, RefusesCamerasThatCannotBe) {
                                    {"look_at_m", {0, 0, 1}}};
               }),
               HasSubstr("cameras[0].look_at_m"));
-  ErrorOf(ExitCode::kBadInput, [&] { ReadText(R"({"cameras": [NaN]})"); });
-  ErrorOf(ExitCode::kBadInput, [&] { ReadText(""); });
+  ErrorOf(ErrorKind::kBadInput, [&] { ReadText(R"({"cameras": [NaN]})"); });
+  ErrorOf(ErrorKind::kBadInput, [&] { ReadText(""); });
   RigOptions absent;
   absent.kind = (folder_ / "absent.json").string();
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { MakeRig(absent, Rng(0)); }), HasSubstr("absent.json"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { MakeRig(absent, Rng(0)); }), HasSubstr("absent.json"));
 }
 
 TEST_F(RigFile, RefusesMovingCamerasWithTooFewFrames) {
   const Json moving = RigJson(Filmed("ptz", track_));
   Json uneven = moving;
   uneven["cameras"][1]["t"].erase(0);
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Read(uneven); }), HasSubstr("cameras[1].t: expected 6 frames"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Read(uneven); }), HasSubstr("cameras[1].t: expected 6 frames"));
   Json others = moving;
   for (const char* part : {"K", "R", "t"}) others["cameras"][2][part].erase(0);
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Read(others); }), HasSubstr("cameras[2]: expected 6 frames"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Read(others); }), HasSubstr("cameras[2]: expected 6 frames"));
   const std::unique_ptr<Rig> rig = Read(moving);
   EXPECT_EQ(rig->Film(WalkInCircle(4, 25.0), Rng(0))[0].cameras.size(), 4U);
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { rig->Film(WalkInCircle(7, 25.0), Rng(0)); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { rig->Film(WalkInCircle(7, 25.0), Rng(0)); }),
               HasSubstr("cameras[0]: expected at least the 7 frames of clip circle, found 6"));
 }
 

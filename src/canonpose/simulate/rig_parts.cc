@@ -90,7 +90,7 @@ std::vector<double> Azimuths(const std::string& spread, int count, Rng& rng) {
   } else if (spread == "clustered") {
     within(30.0);
   } else {
-    ThrowUsage("--spread {} is not known; choose even, opposite, quarter or clustered", spread);
+    ThrowInvalidArgument("`spread` {} is not known; choose even, opposite, quarter or clustered", spread);
   }
   return azimuths;
 }

@@ -290,21 +290,21 @@ TEST(Rig, HandheldShakesAndWalks) {
 }
 
 TEST(RigOptions, RefusesWhatCannotBe) {
-  const auto message = [](ExitCode code, auto&& change) {
+  const auto message = [](ErrorKind code, auto&& change) {
     RigOptions options;
     change(options);
     return ErrorOf(code, [&] { options.Validate(); });
   };
-  EXPECT_EQ(message(ExitCode::kBadInput, [](RigOptions& o) { o.cameras = -4; }),
-            "--cameras -4: expected 2 to 1000 cameras, or 0 for as many as the rig has by itself");
-  message(ExitCode::kBadInput, [](RigOptions& o) { o.cameras = 1; });
-  message(ExitCode::kBadInput, [](RigOptions& o) { o.cameras = 100000; });
-  message(ExitCode::kUsage, [](RigOptions& o) { o.kind = "studioo"; });
-  message(ExitCode::kUsage, [](RigOptions& o) { o.spread = "odd"; });
-  message(ExitCode::kUsage, [](RigOptions& o) { o.distance_m = -1.0; });
-  message(ExitCode::kUsage, [](RigOptions& o) { o.distance_m = NAN; });
-  message(ExitCode::kUsage, [](RigOptions& o) { o.distortion = 5.0; });
-  message(ExitCode::kUsage, [](RigOptions& o) { o.kind = "rig.json", o.cameras = 4; });
+  EXPECT_EQ(message(ErrorKind::kBadInput, [](RigOptions& o) { o.cameras = -4; }),
+            "`cameras` -4: expected 2 to 1000 cameras, or 0 for as many as the rig has by itself");
+  message(ErrorKind::kBadInput, [](RigOptions& o) { o.cameras = 1; });
+  message(ErrorKind::kBadInput, [](RigOptions& o) { o.cameras = 100000; });
+  message(ErrorKind::kInvalidArgument, [](RigOptions& o) { o.kind = "studioo"; });
+  message(ErrorKind::kInvalidArgument, [](RigOptions& o) { o.spread = "odd"; });
+  message(ErrorKind::kInvalidArgument, [](RigOptions& o) { o.distance_m = -1.0; });
+  message(ErrorKind::kInvalidArgument, [](RigOptions& o) { o.distance_m = NAN; });
+  message(ErrorKind::kInvalidArgument, [](RigOptions& o) { o.distortion = 5.0; });
+  message(ErrorKind::kInvalidArgument, [](RigOptions& o) { o.kind = "rig.json", o.cameras = 4; });
 }
 
 }  // namespace

@@ -37,14 +37,14 @@ std::uint64_t NumberOf(const std::string& name) {
 
 void RequireNumber(bool ok, const char* option, const char* expected, double found) {
   if (!ok) {
-    throw Error(ExitCode::kBadInput, fmt::format("{}: expected {}, found {:g}", option, expected, found));
+    throw Error(ErrorKind::kBadInput, fmt::format("{}: expected {}, found {:g}", option, expected, found));
   }
 }
 
 const Skeleton& RequireSkeleton(const std::string& name, const char* option) {
   const Skeleton* skeleton = FindSkeleton(name);
   if (skeleton == nullptr) {
-    ThrowUsage("{}: expected one of {}, found \"{}\"", option, BuiltinSkeletonNames(), name);
+    ThrowInvalidArgument("{}: expected one of {}, found \"{}\"", option, BuiltinSkeletonNames(), name);
   }
   return *skeleton;
 }
@@ -146,29 +146,29 @@ std::vector<float> TruthInCamera(const std::vector<Eigen::Vector3d>& joints_mm, 
 }  // namespace
 
 void SimulationOptions::Validate() const {
-  RequireNumber(subjects >= 1 && subjects <= kMaxClips, "--subjects", "1 to 1000000", subjects);
-  RequireNumber(clips >= 0 && clips <= kMaxClips, "--clips", "1 to 1000000", clips);
-  RequireNumber(static_cast<double>(subjects) * std::max(1, clips) <= kMaxClips, "--clips",
+  RequireNumber(subjects >= 1 && subjects <= kMaxClips, "`subjects`", "1 to 1000000", subjects);
+  RequireNumber(clips >= 0 && clips <= kMaxClips, "`clips`", "1 to 1000000", clips);
+  RequireNumber(static_cast<double>(subjects) * std::max(1, clips) <= kMaxClips, "`clips`",
                 "at most 1000000 clips of all subjects together", clips);
-  RequireNumber(seconds > 0.0 && std::isfinite(seconds), "--seconds", "more than 0", seconds);
-  RequireNumber(fps == 0.0 || (fps >= kLowestFps && fps <= 1000.0), "--fps", "0.1 to 1000 frames a second", fps);
+  RequireNumber(seconds > 0.0 && std::isfinite(seconds), "`seconds`", "more than 0", seconds);
+  RequireNumber(fps == 0.0 || (fps >= kLowestFps && fps <= 1000.0), "`fps`", "0.1 to 1000 frames a second", fps);
   if (motion_files.empty()) {
     const double frames = seconds * (fps > 0.0 ? fps : kProceduralFps);
-    RequireNumber(frames <= kMaxFramesPerClip, "--seconds", "a clip of at most 100000 frames; make more clips instead",
+    RequireNumber(frames <= kMaxFramesPerClip, "`seconds`", "a clip of at most 100000 frames; make more clips instead",
                   seconds);
-    RequireNumber(frames >= 2.0, "--seconds", "a clip of at least two frames", seconds);
+    RequireNumber(frames >= 2.0, "`seconds`", "a clip of at least two frames", seconds);
   }
-  RequireSkeleton(skeleton, "--skeleton");
-  if (!layout.empty()) RequireSkeleton(layout, "--layout");
+  RequireSkeleton(skeleton, "`skeleton`");
+  if (!layout.empty()) RequireSkeleton(layout, "`layout`");
   rig.Validate();
   detector.Validate();
 }
 
 Simulator::Simulator(SimulationOptions options) : options_(std::move(options)) {
   options_.Validate();
-  skeleton_ = RequireSkeleton(options_.skeleton, "--skeleton");
+  skeleton_ = RequireSkeleton(options_.skeleton, "`skeleton`");
   const std::string& layout = options_.layout.empty() ? options_.skeleton : options_.layout;
-  layout_ = MakeDetectorLayout(RequireSkeleton(layout, "--layout"));
+  layout_ = MakeDetectorLayout(RequireSkeleton(layout, "`layout`"));
   if (!layout_skeleton().SameJoints(skeleton_)) skeleton_from_layout_ = MapLayout(layout_skeleton(), skeleton_);
   // A rig that cannot be used is told before any motion is read. One from a file is the same for all captures.
   std::unique_ptr<Rig> rig = MakeRig(options_.rig, Rng(options_.seed, {kRigStream}));
@@ -222,7 +222,7 @@ ArticulatedMotion Simulator::LoadMotion(const ClipSource& source) const {
   ThinOut(motion, options_.fps);
   if (motion.frame_count() > kMaxFramesPerClip) {
     ThrowBadInput({source.file.string(), "", fmt::format("at most {} frames", kMaxFramesPerClip),
-                   fmt::format("{}", motion.frame_count()), "cut it into clips, or thin it out with --fps"});
+                   fmt::format("{}", motion.frame_count()), "cut it into clips, or thin it out with `fps`"});
   }
   return motion;
 }

@@ -38,8 +38,8 @@ struct SimulationOptions {
   std::uint64_t seed = 0;
   std::optional<std::uint64_t> detector_seed;  ///< of the detector's systematic offset; none: `seed`
 
-  /// Throws Error(kUsage) for unknown names and strengths out of range, Error(kBadInput) for counts, lengths and rates
-  /// that cannot be.
+  /// Throws Error(kInvalidArgument) for unknown names and strengths out of range, Error(kBadInput) for counts, lengths
+  /// and rates that cannot be.
   void Validate() const;
 };
 

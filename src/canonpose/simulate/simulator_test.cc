@@ -211,18 +211,18 @@ TEST(Simulator, NumbersOutOfRangeAreBadInput) {
   const auto error = [](auto change) {
     SimulationOptions options = Small();
     change(options);
-    return ErrorOf(ExitCode::kBadInput, [&] { const Simulator simulator(options); });
+    return ErrorOf(ErrorKind::kBadInput, [&] { const Simulator simulator(options); });
   };
-  EXPECT_THAT(error([](SimulationOptions& o) { o.subjects = -1; }), HasSubstr("--subjects"));
-  EXPECT_THAT(error([](SimulationOptions& o) { o.clips = -3; }), HasSubstr("--clips"));
-  EXPECT_THAT(error([](SimulationOptions& o) { o.seconds = -1; }), HasSubstr("--seconds"));
+  EXPECT_THAT(error([](SimulationOptions& o) { o.subjects = -1; }), HasSubstr("`subjects`"));
+  EXPECT_THAT(error([](SimulationOptions& o) { o.clips = -3; }), HasSubstr("`clips`"));
+  EXPECT_THAT(error([](SimulationOptions& o) { o.seconds = -1; }), HasSubstr("`seconds`"));
   EXPECT_THAT(error([](SimulationOptions& o) { o.seconds = 1e9; }), HasSubstr("more clips"));
-  EXPECT_THAT(error([](SimulationOptions& o) { o.fps = -1; }), HasSubstr("--fps"));
+  EXPECT_THAT(error([](SimulationOptions& o) { o.fps = -1; }), HasSubstr("`fps`"));
   EXPECT_THAT(error([](SimulationOptions& o) { o.rig.cameras = -4; }), HasSubstr("cameras"));
   EXPECT_THAT(error([](SimulationOptions& o) { o.motion_files = {"/nowhere/at/all.bvh"}; }), HasSubstr("nowhere"));
   SimulationOptions options = Small();
   options.skeleton = "spider";
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { const Simulator simulator(options); }), HasSubstr("h36m-17"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { const Simulator simulator(options); }), HasSubstr("h36m-17"));
 }
 
 }  // namespace

@@ -187,7 +187,7 @@ double DetectorStatistics::ConfidenceCorrelation() const {
   return both > 0.0 ? together / both : std::numeric_limits<double>::quiet_NaN();
 }
 
-double DetectorStatistics::Share(ErrorKind kind) const {
+double DetectorStatistics::Share(DetectionErrorKind kind) const {
   return Ratio(kinds_[static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(kind)))], joints_);
 }
 

@@ -33,7 +33,7 @@ class DetectorStatistics {
   /// Rank (Spearman) correlation of confidence and error; NaN where either is always the same.
   [[nodiscard]] double ConfidenceCorrelation() const;
   /// Share of joints, 0..1, of all frames in which anything was detected.
-  [[nodiscard]] double Share(ErrorKind kind) const;
+  [[nodiscard]] double Share(DetectionErrorKind kind) const;
   /// Share of frames and cameras, 0..1, that have the person in the image and no detection at all.
   [[nodiscard]] double MissedFrameShare() const;
   /// A table: percentiles 50, 75, 90, 95, 99 by joint, then the figures above.
@@ -49,7 +49,7 @@ class DetectorStatistics {
   std::vector<std::uint64_t> hidden_errors_;        ///< of hidden joints, by error
   std::vector<std::uint64_t> large_, small_;        ///< large and small errors by confidence
   std::vector<std::uint64_t> ranks_;                ///< confidence by error, for the rank correlation
-  std::array<std::uint64_t, 8> kinds_{};            ///< joints by bit of ErrorKind
+  std::array<std::uint64_t, 8> kinds_{};            ///< joints by bit of DetectionErrorKind
   std::uint64_t joints_ = 0;                        ///< in frames with a detection
   std::uint64_t frames_ = 0;
   std::uint64_t missed_frames_ = 0;

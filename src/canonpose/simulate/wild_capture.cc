@@ -26,7 +26,12 @@ namespace canonpose {
 namespace {
 
 /// What a generator is for, as its first stream number.
-enum WildStream : std::uint64_t { kWildMotion = 0x3171, kWildChanges = 0x3172, kWildCamera = 0x3173, kWildDetection = 0x3174 };
+enum WildStream : std::uint64_t {
+  kWildMotion = 0x3171,
+  kWildChanges = 0x3172,
+  kWildCamera = 0x3173,
+  kWildDetection = 0x3174
+};
 
 constexpr std::size_t kClipsOfATask = 8;
 
@@ -90,7 +95,8 @@ JointSources FindSources(const Skeleton& skeleton, const std::string& layout_nam
     return {MakeDetectorLayout(known), by_name};
   }
   const Skeleton* layout = FindLayout(layout_name);
-  if (layout == nullptr) ThrowUsage("layout: expected one of {}, found \"{}\"", BuiltinSkeletonNames(), layout_name);
+  if (layout == nullptr)
+    ThrowInvalidArgument("layout: expected one of {}, found \"{}\"", BuiltinSkeletonNames(), layout_name);
   const Skeleton known = KnownJoints(*layout, MapWhatCanBe(LandmarkSkeleton(), *layout));
   JointSources sources{MakeDetectorLayout(known), MapWhatCanBe(known, skeleton)};
   if (!IsMade(sources.skeleton_from_layout, skeleton.root)) {

@@ -39,7 +39,8 @@ std::vector<std::uint8_t> KnownJointsOf(const Skeleton& skeleton);
 
 /// Clip `number` of the capture, with truth and without calibration. Joints that the simulator does not know are never
 /// detected and have no truth. The same bits for the same options and number. Throws Error(kBadInput) where
-/// IsKnownPerson() is false or the layout cannot be mapped onto the skeleton, Error(kUsage) for an unknown layout.
+/// IsKnownPerson() is false or the layout cannot be mapped onto the skeleton, Error(kInvalidArgument) for an unknown
+/// layout.
 Sequence MakeWildClip(const Skeleton& skeleton, const WildCaptureOptions& options, int number);
 
 /// All clips, made by several threads; with progress.

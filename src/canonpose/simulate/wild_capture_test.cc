@@ -103,7 +103,7 @@ TEST(WildCapture, ALayoutsDerivedJointsAreMeansOfOthers) {
     EXPECT_NEAR(at("Thorax", c), (at("LShoulder", c) + at("RShoulder", c)) / 2, 0.01);
   }
   options.layout = "coco-71";
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { MakeWildClip(Human(), options, 3); }), HasSubstr("coco-17"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { MakeWildClip(Human(), options, 3); }), HasSubstr("coco-17"));
 }
 
 TEST(WildCapture, JointsThatNobodyKnowsAreNeverSeen) {
@@ -138,7 +138,7 @@ TEST(WildCapture, AnAnimalIsRefused) {
                {0, 1, 3, 2, 5, 4}};
   ASSERT_EQ(dog.Problem(), "");
   EXPECT_FALSE(IsKnownPerson(dog));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { MakeWildClip(dog, Small(), 0); }), HasSubstr("withers"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { MakeWildClip(dog, Small(), 0); }), HasSubstr("withers"));
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ TEST(MappingTest, MirroringTheSourceMirrorsTheTarget) {
 
 TEST(MappingTest, NamesTheJointsThatCannotBeMade) {
   const Skeleton arm{"arm", {"LShoulder", "LElbow", "LWrist"}, {-1, 0, 1}, 0, {0, 1, 2}};
-  const std::string message = testing::ErrorOf(ExitCode::kBadInput, [&] { MapLayout(arm, *FindSkeleton("h36m-17")); });
+  const std::string message = testing::ErrorOf(ErrorKind::kBadInput, [&] { MapLayout(arm, *FindSkeleton("h36m-17")); });
   EXPECT_THAT(message, HasSubstr("layout arm"));
   EXPECT_THAT(message, HasSubstr("RKnee"));
   EXPECT_THAT(message, HasSubstr("Thorax"));

@@ -28,7 +28,7 @@ SimulationOptions OneClip() {
 
 /// What Solve() says of a dataset of which nothing can be solved.
 std::string FailureOf(Dataset dataset) {
-  return ErrorOf(ExitCode::kComputation, [&] { Solve(dataset, testing::NoisyTruth(dataset), {}); });
+  return ErrorOf(ErrorKind::kComputation, [&] { Solve(dataset, testing::NoisyTruth(dataset), {}); });
 }
 
 TEST(Failures, OneCamera) {

@@ -303,7 +303,7 @@ StartPoses FactorisedStart(const Dataset& dataset, const std::string& file) {
   StartPoses start;
   for (const Sequence& sequence : dataset.sequences) {
     if (!sequence.static_cameras) {
-      ThrowBadInput({file, sequence.name, "static cameras", "moving ones", "choose another --bootstrap"});
+      ThrowBadInput({file, sequence.name, "static cameras", "moving ones", "choose another `bootstrap`"});
     }
     start.sequences.emplace_back(sequence.cameras.size());
   }

@@ -98,7 +98,7 @@ TEST(Factorisation, LeadsTheSolverToTheTruth) {
 
 TEST(Factorisation, RefusesMovingCameras) {
   const Dataset dataset = Filmed("ptz", 4, "even", 1.0);
-  EXPECT_THAT(testing::ErrorOf(ExitCode::kBadInput, [&] { FactorisedStart(dataset, "ski.h5"); }),
+  EXPECT_THAT(testing::ErrorOf(ErrorKind::kBadInput, [&] { FactorisedStart(dataset, "ski.h5"); }),
               HasSubstr("static cameras"));
 }
 

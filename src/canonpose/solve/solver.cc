@@ -212,9 +212,9 @@ void RequireOneSolved(const SolveReport& report) {
 
 void SolveOptions::Validate() const {
   if (mirror != "auto" && mirror != "keep" && mirror != "flip") {
-    ThrowUsage("--mirror: expected one of auto, keep, flip, found \"{}\"", mirror);
+    ThrowInvalidArgument("`mirror`: expected one of auto, keep, flip, found \"{}\"", mirror);
   }
-  if (threads < 0) ThrowUsage("--threads: expected 0 or more, found {}", threads);
+  if (threads < 0) ThrowInvalidArgument("`threads`: expected 0 or more, found {}", threads);
   CANONPOSE_CHECK(calibration_frames > 0 && window_frames > 0, "{} {}", calibration_frames, window_frames);
 }
 
@@ -233,12 +233,14 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
   long done = 0;
   std::vector<CaptureWork> works(captures.size());
   for (std::size_t c = 0; c < captures.size(); ++c) {
+    ThrowIfStopRequested();
     progress.Update(done++, captures[c].name + ", cameras");
     FindCameras(captures[c], options, works[c]);
   }
   PoolBones(captures, works);
   SolveReport report;
   for (std::size_t c = 0; c < captures.size(); ++c) {
+    ThrowIfStopRequested();
     progress.Update(done++, captures[c].name + ", all frames");
     if (works[c].report.failure.empty()) SolveAllFrames(captures[c], options, works[c]);
     if (works[c].report.failure.empty()) {

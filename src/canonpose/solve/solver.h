@@ -19,7 +19,7 @@ struct SolveOptions {
   int window_frames = 128;       ///< solved at once
   int threads = 0;               ///< 0: as many as the machine has cores; the result does not depend on it
 
-  /// Throws Error(kUsage).
+  /// Throws Error(kInvalidArgument).
   void Validate() const;
 };
 

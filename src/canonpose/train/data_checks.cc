@@ -47,7 +47,7 @@ void RequireTarget(const TrainJob& job) {
   });
   if (!has_target && job.options.supervision == "triangulated") {
     ThrowBadInput({files, "", "frames that two calibrated cameras see, which supervision=triangulated learns from",
-                   "none", "import the data with --calibration, or train with another preset"});
+                   "none", "import the data with `calibration`, or train with another preset"});
   }
   if (!has_target && is_solved) {
     ThrowBadInput(
@@ -62,7 +62,7 @@ void RequireTarget(const TrainJob& job) {
       })) {
     ThrowBadInput({files, "",
                    fmt::format("{} cameras, which new views are made with", is_solved ? "solved" : "calibrated"),
-                   "none", "train with --set new_views=0"});
+                   "none", "train with `new_views=0`"});
   }
 }
 

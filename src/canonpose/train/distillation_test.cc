@@ -43,11 +43,11 @@ TEST(Distillation, WhatSolveFoundIsLearntAsTruthIs) {
 
   // New views need cameras; what is resumed must have the same solution.
   solved.options.new_views = 0.5;
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(solved); }), HasSubstr("solved cameras"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(solved); }), HasSubstr("solved cameras"));
   solved.options.new_views = 0.0;
   solved.resume = true;
   solved.datasets[0].sequences[0].cameras[0].solved[4] += 0.1F;
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(solved); }), HasSubstr("fingerprint"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(solved); }), HasSubstr("fingerprint"));
 }
 
 TEST(Distillation, UnsureJointsCountLess) {

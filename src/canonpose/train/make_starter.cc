@@ -15,7 +15,7 @@ namespace {
 int MakeStarter(const std::filesystem::path& run, const std::filesystem::path& model,
                 const std::filesystem::path& card) {
   const canonpose::StarterRecipe recipe = canonpose::StarterRecipe::Default();
-  if (const int signal = canonpose::TrainStarter(recipe, run); signal != 0) return 128 + signal;
+  canonpose::TrainStarter(recipe, run);
   const canonpose::ModelFile starter = canonpose::ReadModelFile(run);
   canonpose::WriteModelFile(model, starter);
   canonpose::WriteFileAtomically(card, canonpose::MakeStarterCard(recipe, starter).ToJson());
@@ -27,12 +27,12 @@ int MakeStarter(const std::filesystem::path& run, const std::filesystem::path& m
 int main(int argc, char** argv) {
   if (argc != 4) {
     fmt::print(stderr, "usage: make_starter RUN MODEL CARD (or scripts/make-starter)\n");
-    return static_cast<int>(canonpose::ExitCode::kUsage);
+    return 2;
   }
   try {
     return MakeStarter(argv[1], argv[2], argv[3]);
   } catch (const canonpose::Error& error) {
     fmt::print(stderr, "error: {}\n", error.what());
-    return static_cast<int>(error.code());
+    return 3;
   }
 }

@@ -143,9 +143,9 @@ bool UpdateMirrorDecision(const PerspectiveSlope& slope, const std::string& wish
                   slope.clips, slope.Describe(), kMinClips)
             : fmt::format(
                   "perspective is too weak to tell the pose from its depth mirror ({}, {:.1f} standard errors; "
-                  "{} are needed), or training found no good solution; try another --seed",
+                  "{} are needed), or training found no good solution; try another `seed`",
                   slope.Describe(), slope.standard_errors(), PerspectiveSlope::kSure);
-    LogWarning("mirror: {}, or look at the poses and train again with --mirror keep or --mirror flip", reason);
+    LogWarning("mirror: {}, or look at the poses and train again with `mirror` keep or `mirror` flip", reason);
     return false;
   }
   if (!decided_before || slope.is_mirrored()) {
@@ -154,7 +154,8 @@ bool UpdateMirrorDecision(const PerspectiveSlope& slope, const std::string& wish
   const char* what = "right, so kept";
   if (decided_before) what = "confirmed after training";
   if (slope.is_mirrored()) what = "mirrored, so flipped";
-  LogInfo("mirror: {} ({}, {:.1f} standard errors; negative is right)", what, slope.Describe(), slope.standard_errors());
+  LogInfo("mirror: {} ({}, {:.1f} standard errors; negative is right)", what, slope.Describe(),
+          slope.standard_errors());
   return slope.is_mirrored();
 }
 

@@ -77,7 +77,7 @@ void AddPairsOfTruth(const Dataset& detected, const std::string& file, MorphPair
   }
   if (pairs.count() == before) {
     ThrowBadInput({file, "", "views with both truth and calibration, which say where the joints are in the image",
-                   "none", "give the true keypoints as a second dataset: --exact FILE"});
+                   "none", "give the true keypoints as a second dataset: `exact` FILE"});
   }
 }
 

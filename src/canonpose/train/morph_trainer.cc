@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "canonpose/base/atomic_file.h"
+#include "canonpose/base/callbacks.h"
 #include "canonpose/base/error.h"
-#include "canonpose/base/interrupt.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/progress.h"
 #include "canonpose/base/random.h"
@@ -40,7 +40,8 @@ class MorphRun {
   void Restore(const Checkpoint& checkpoint);
   void Save() const;
   /// Returns the signal that ended it, or 0.
-  int Run();
+  /// False where it was asked to stop before the end; the checkpoint is saved.
+  bool Run();
   MorphReport Finish();
 
  private:
@@ -127,7 +128,7 @@ void MorphRun::TakeStep() {
   const torch::Tensor loss = Loss(BatchRows());
   const double value = loss.item<double>();
   if (!std::isfinite(value)) {
-    ThrowComputation("the loss became {} at step {} of {}; try again with a smaller --learning-rate", value, step_ + 1,
+    ThrowComputation("the loss became {} at step {} of {}; try again with a smaller `learning_rate`", value, step_ + 1,
                      steps());
   }
   loss.backward();
@@ -168,8 +169,7 @@ void MorphRun::Restore(const Checkpoint& checkpoint) {
   sums_ = checkpoint.sums;
 }
 
-int MorphRun::Run() {
-  const InterruptGuard interrupt;
+bool MorphRun::Run() {
   Progress progress("train-morph", static_cast<long>(steps()), static_cast<long>(step_));
   auto last_save = Clock::now();
   while (step_ < steps()) {
@@ -180,13 +180,14 @@ int MorphRun::Run() {
     }
     if (step_ % steps_per_epoch() == 0) EndEpoch();
     const double since_save = std::chrono::duration<double>(Clock::now() - last_save).count();
-    if (since_save >= job_.options.checkpoint_seconds || interrupt.signal() != 0 || step_ == steps()) {
+    const bool must_stop = step_ < steps() && StopRequested();
+    if (since_save >= job_.options.checkpoint_seconds || must_stop || step_ == steps()) {
       Save();
       last_save = Clock::now();
     }
-    if (interrupt.signal() != 0 && step_ < steps()) return interrupt.signal();
+    if (must_stop) return false;
   }
-  return 0;
+  return true;
 }
 
 /// Mean length of planar differences (N, 2J) over the joints that are known, % of the pose's size.
@@ -216,14 +217,14 @@ MorphReport MorphRun::Finish() {
 
 void MorphOptions::Validate() const {
   const auto require = [](bool ok, const char* name, const char* expected, double found) {
-    if (!ok) ThrowUsage("{}: expected {}, found {}", name, expected, found);
+    if (!ok) ThrowInvalidArgument("{}: expected {}, found {}", name, expected, found);
   };
-  require(epochs >= 1, "--epochs", "1 or more", epochs);
-  require(width >= 1 && width <= 65536, "--width", "1 to 65536", width);
-  require(batch_poses >= 1, "--batch-poses", "1 or more", batch_poses);
-  require(learning_rate > 0.0, "--learning-rate", "more than 0", learning_rate);
-  require(validation >= 0.0 && validation <= 0.5, "--validation", "0 to 0.5", validation);
-  require(threads >= 0, "--threads", "0 or more", threads);
+  require(epochs >= 1, "`epochs`", "1 or more", epochs);
+  require(width >= 1 && width <= 65536, "`width`", "1 to 65536", width);
+  require(batch_poses >= 1, "`batch_poses`", "1 or more", batch_poses);
+  require(learning_rate > 0.0, "`learning_rate`", "more than 0", learning_rate);
+  require(validation >= 0.0 && validation <= 0.5, "`validation`", "0 to 0.5", validation);
+  require(threads >= 0, "`threads`", "0 or more", threads);
 }
 
 std::string MorphOptions::ToJson() const {
@@ -254,10 +255,9 @@ MorphReport TrainMorph(const MorphJob& job) {
     fs::remove(job.run_folder / "metrics.jsonl");
     run.Save();
   }
-  const int signal = run.Run();
   MorphReport report;
-  if (signal == 0) report = run.Finish();
-  report.interrupted_by = signal;
+  report.stopped = !run.Run();
+  if (!report.stopped) report = run.Finish();
   return report;
 }
 

@@ -22,7 +22,7 @@ struct MorphOptions {
   std::string device = "cpu";
   double checkpoint_seconds = 30.0;
 
-  /// Throws Error(kUsage) naming the first option that is out of range.
+  /// Throws Error(kInvalidArgument) naming the first option that is out of range.
   void Validate() const;
   /// Those that change the result.
   [[nodiscard]] std::string ToJson() const;
@@ -47,15 +47,15 @@ struct MorphReport {
   /// over the square root of the number of joints), before and after; NaN where none is held out.
   double before_percent = 0.0;
   double after_percent = 0.0;
-  int interrupted_by = 0;  ///< the signal that ended training early; the checkpoint is saved
+  bool stopped = false;  ///< by Callbacks::stop, before the end; the checkpoint is saved
 };
 
 /// Learns the offsets of `pairs`: the mean absolute difference over the joints that are known is the loss. The same
 /// data, options and threads give the same bits on the CPU, however often training was killed and resumed.
 ///
-/// Throws Error(kUsage) where the folder holds a run and neither resume nor overwrite is asked for, Error(kBadInput)
-/// where a checkpoint is of other data or options, Error(kComputation) where there are too few pairs or the loss is no
-/// longer finite.
+/// Throws Error(kInvalidArgument) where the folder holds a run and neither resume nor overwrite is asked for,
+/// Error(kBadInput) where a checkpoint is of other data or options, Error(kComputation) where there are too few pairs
+/// or the loss is no longer finite.
 MorphReport TrainMorph(const MorphJob& job);
 
 }  // namespace canonpose

@@ -17,7 +17,7 @@ namespace {
 using testing::CalibratedShow;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
-using testing::InterruptedAfter;
+using testing::StoppedAfter;
 using testing::kJoints;
 using testing::PuppetShow;
 using testing::TemporaryFolder;
@@ -73,14 +73,14 @@ TEST(MorphPairs, RefuseDatasetsThatDoNotBelongTogether) {
   const Dataset detected = PuppetShow(20, 2);
   MorphPairs pairs;
   EXPECT_THAT(
-      ErrorOf(ExitCode::kBadInput, [&] { AddPairsOfDatasets(detected, "a.h5", PuppetShow(21, 2), "b.h5", pairs); }),
+      ErrorOf(ErrorKind::kBadInput, [&] { AddPairsOfDatasets(detected, "a.h5", PuppetShow(21, 2), "b.h5", pairs); }),
       HasSubstr("20 frames"));
   EXPECT_THAT(
-      ErrorOf(ExitCode::kBadInput, [&] { AddPairsOfDatasets(PuppetShow(20, 3), "a.h5", detected, "b.h5", pairs); }),
+      ErrorOf(ErrorKind::kBadInput, [&] { AddPairsOfDatasets(PuppetShow(20, 3), "a.h5", detected, "b.h5", pairs); }),
       HasSubstr("camera"));
   Dataset bare = detected;
   for (CameraView& view : bare.sequences[0].cameras) view.truth.clear();
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { AddPairsOfTruth(bare, "a.h5", pairs); }), HasSubstr("--exact"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { AddPairsOfTruth(bare, "a.h5", pairs); }), HasSubstr("`exact`"));
 }
 
 TEST(TrainMorph, TakesASystematicErrorAwayFromPosesItHasNotSeen) {
@@ -112,10 +112,9 @@ TEST(TrainMorph, InterruptedAndResumedGivesTheSameBits) {
   MorphJob job = Job(folder, "pieces", detected, exact);
   int interruptions = 0;
   for (int attempt = 0; attempt < 40; ++attempt) {
-    const MorphReport report =
-        InterruptedAfter(std::chrono::milliseconds(20 + 15 * attempt), [&] { return TrainMorph(job); });
+    const MorphReport report = StoppedAfter(5 + 7 * attempt, [&] { return TrainMorph(job); });
     job.resume = true;
-    if (report.interrupted_by != 0) {
+    if (report.stopped) {
       ++interruptions;
     } else if (interruptions > 0) {
       break;
@@ -134,12 +133,12 @@ TEST(TrainMorph, RefusesToGoOnWithAnotherRun) {
   MorphJob job = Job(folder, "run", Disturbed(exact), exact);
   job.options.epochs = 1;
   TrainMorph(job);
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { TrainMorph(job); }), HasSubstr("--resume"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { TrainMorph(job); }), HasSubstr("`resume`"));
   job.resume = true;
   job.options.width = 16;
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { TrainMorph(job); }), HasSubstr("same data and options"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { TrainMorph(job); }), HasSubstr("same data and options"));
   MorphJob few = Job(folder, "few", PuppetShow(10, 2), PuppetShow(10, 2));
-  EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { TrainMorph(few); }), HasSubstr("too few"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kComputation, [&] { TrainMorph(few); }), HasSubstr("too few"));
 }
 
 }  // namespace

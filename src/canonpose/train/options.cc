@@ -65,8 +65,8 @@ void ParseField(const std::string& name, const std::string& text, Field& field) 
     Field value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size()) {
-      ThrowUsage("--set {}: expected a {}, found \"{}\"", name, std::is_integral_v<Field> ? "whole number" : "number",
-                 text);
+      ThrowInvalidArgument("`{}`: expected a {}, found \"{}\"", name,
+                           std::is_integral_v<Field> ? "whole number" : "number", text);
     }
     field = value;
   }
@@ -78,44 +78,46 @@ void RequireOneOf(const char* name, const std::string& value, std::initializer_l
     if (value == word) return;
     list += (list.empty() ? "" : ", ") + std::string(word);
   }
-  ThrowUsage("{}: expected one of {}, found \"{}\"", name, list, value);
+  ThrowInvalidArgument("{}: expected one of {}, found \"{}\"", name, list, value);
 }
 
 /// Options that only go together with some kind of supervision.
 void ValidateSupervision(const TrainOptions& options) {
   if (options.supervision == "none") {
     if (options.network != "canonical") {
-      ThrowUsage("network={} answers no rotation that views could share: it needs supervision", options.network);
+      ThrowInvalidArgument("network={} answers no rotation that views could share: it needs supervision",
+                           options.network);
     }
     if (options.consistency == "equal_cameras" && options.camera_consistency == "off") {
-      ThrowUsage("consistency=equal_cameras is a form of camera consistency: set camera_consistency, too");
+      ThrowInvalidArgument("consistency=equal_cameras is a form of camera consistency: set camera_consistency, too");
     }
     if (options.new_views > 0 || options.flips > 0 || options.joint_dropout > 0) {
-      ThrowUsage("new_views, flips and joint_dropout change a 3D pose to learn from: they need supervision");
+      ThrowInvalidArgument("new_views, flips and joint_dropout change a 3D pose to learn from: they need supervision");
     }
     if (options.ray != "off" && options.camera_consistency != "off") {
-      ThrowUsage("ray={} turns the camera with every pose, so that none stands still: camera_consistency must be off",
-                 options.ray);
+      ThrowInvalidArgument(
+          "ray={} turns the camera with every pose, so that none stands still: camera_consistency must be off",
+          options.ray);
     }
     return;
   }
   if (options.restarts > 1) {
-    ThrowUsage("restarts: they are chosen by the loss of view mixing, which supervision={} has not",
-               options.supervision);
+    ThrowInvalidArgument("restarts: they are chosen by the loss of view mixing, which supervision={} has not",
+                         options.supervision);
   }
   if (options.consistency != "mixing" || options.loss_confidences != "on") {
-    ThrowUsage("consistency and loss_confidences belong to the losses of views, which supervision={} has not",
-               options.supervision);
+    ThrowInvalidArgument("consistency and loss_confidences belong to the losses of views, which supervision={} has not",
+                         options.supervision);
   }
   if (options.network == "martinez" && (options.rotation != "axis_angle" || options.rotation_spread != 1.0)) {
-    ThrowUsage("network=martinez answers no rotation: leave rotation and rotation_spread out");
+    ThrowInvalidArgument("network=martinez answers no rotation: leave rotation and rotation_spread out");
   }
   if (options.mirror != "auto") {
-    ThrowUsage("mirror: with supervision={} there is none to decide; leave it out", options.supervision);
+    ThrowInvalidArgument("mirror: with supervision={} there is none to decide; leave it out", options.supervision);
   }
   if (options.perspective != "off" || options.camera_consistency != "off") {
-    ThrowUsage("supervision={} uses no projection: perspective and camera_consistency must be off",
-               options.supervision);
+    ThrowInvalidArgument("supervision={} uses no projection: perspective and camera_consistency must be off",
+                         options.supervision);
   }
 }
 
@@ -123,7 +125,7 @@ void ValidateSupervision(const TrainOptions& options) {
 
 void TrainOptions::Validate() const {
   const auto require = [](bool ok, const char* name, const char* expected, double found) {
-    if (!ok) ThrowUsage("{}: expected {}, found {}", name, expected, found);
+    if (!ok) ThrowInvalidArgument("{}: expected {}, found {}", name, expected, found);
   };
   require(epochs >= 0, "epochs", "1 or more", epochs);
   require(default_epochs >= 1, "default_epochs", "1 or more", default_epochs);
@@ -187,8 +189,16 @@ TrainOptions TrainOptions::FromJson(const std::string& text, const std::string& 
   }
 }
 
+bool TrainOptions::Has(const std::string& name) {
+  bool found = false;
+  const TrainOptions options;
+  VisitFields(options, [&](const char* field_name, const auto&, bool) { found = found || name == field_name; });
+  return found;
+}
+
 void TrainOptions::Set(const std::string& name, const std::string& value) {
-  if (name == "preset") ThrowUsage("--set preset: choose a preset with --preset {}", value);
+  if (name == "preset")
+    ThrowInvalidArgument("`preset` is not one of the options to be set one by one: choose it as `preset` {}", value);
   bool found = false;
   std::string known;
   VisitFields(*this, [&](const char* field_name, auto& field, bool) {
@@ -197,7 +207,7 @@ void TrainOptions::Set(const std::string& name, const std::string& value) {
     ParseField(name, value, field);
     found = true;
   });
-  if (!found) ThrowUsage("--set: there is no option \"{}\"; there are {}", name, known);
+  if (!found) ThrowInvalidArgument("there is no option \"{}\"; there are {}", name, known);
 }
 
 std::string TrainOptions::Get(const std::string& name) const {
@@ -253,7 +263,7 @@ TrainOptions PresetOptions(const std::string& preset) {
     options.learning_rate = 1e-3;
     return options;
   }
-  ThrowUsage("--preset: expected one of {}, found \"{}\"", PresetNames(), preset);
+  ThrowInvalidArgument("`preset`: expected one of {}, found \"{}\"", PresetNames(), preset);
 }
 
 }  // namespace canonpose

@@ -69,7 +69,7 @@ struct TrainOptions {
   std::string device = "cpu";
   double checkpoint_seconds = 30.0;  ///< time between checkpoints; the result does not depend on it
 
-  /// Throws Error(kUsage) naming the first option that is out of range.
+  /// Throws Error(kInvalidArgument) naming the first option that is out of range.
   void Validate() const;
 
   /// "learning_rate=0.0001" ... in the order of the fields.
@@ -77,8 +77,10 @@ struct TrainOptions {
   /// What is missing keeps its default. Throws Error(kBadInput) naming `file` where the text is damaged.
   static TrainOptions FromJson(const std::string& json, const std::string& file);
 
-  /// Sets one field by name; the preset is no field but a choice of all of them (PresetOptions()). Throws Error(kUsage)
-  /// for an unknown name (listing the known ones) or a value that does not parse.
+  /// Sets one field by name; the preset is no field but a choice of all of them (PresetOptions()). Throws
+  /// Error(kInvalidArgument) for an unknown name (listing the known ones) or a value that does not parse. Whether there
+  /// is a field of this name.
+  static bool Has(const std::string& name);
   void Set(const std::string& name, const std::string& value);
 
   /// The names of the fields in which `other` differs, except those that are about the machine (device, threads,
@@ -87,7 +89,7 @@ struct TrainOptions {
   [[nodiscard]] std::string Get(const std::string& name) const;
 };
 
-/// The options of a preset. Throws Error(kUsage) for an unknown name.
+/// The options of a preset. Throws Error(kInvalidArgument) for an unknown name.
 ///
 ///   paper    the method as published, without camera consistency; the mirror is decided once, at the end
 ///   paper+c  paper with camera consistency

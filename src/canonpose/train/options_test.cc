@@ -24,7 +24,7 @@ TEST(TrainOptions, JsonRoundTripKeepsEveryField) {
   EXPECT_EQ(read.seed, UINT64_MAX);
   EXPECT_TRUE(read.Differences(options).empty());
   EXPECT_THAT(options.ToJson(true), ::testing::Not(HasSubstr("checkpoint_seconds")));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [] { TrainOptions::FromJson("{\"width\": ", "run"); }), HasSubstr("run"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { TrainOptions::FromJson("{\"width\": ", "run"); }), HasSubstr("run"));
 }
 
 TEST(TrainOptions, PublishedValues) {
@@ -63,23 +63,24 @@ TEST(LearningRateFactor, FallsAtThePublishedEpochs) {
 
 TEST(TrainOptions, MistakesAreNamed) {
   TrainOptions options;
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Set("learning_rat", "1"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { options.Set("learning_rat", "1"); }),
               AllOf(HasSubstr("learning_rat"), HasSubstr("learning_rate")));
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Set("width", "12.5"); }), HasSubstr("12.5"));
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Set("width", ""); }), HasSubstr("whole number"));
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Set("preset", "paper"); }), HasSubstr("--preset paper"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { options.Set("width", "12.5"); }), HasSubstr("12.5"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { options.Set("width", ""); }), HasSubstr("whole number"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { options.Set("preset", "paper"); }),
+              HasSubstr("`preset` paper"));
   options.camera_consistency = "windows";
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr("off, static, window"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { options.Validate(); }), HasSubstr("off, static, window"));
   options.camera_consistency = "window";
   options.camera_window_seconds = 0.0;
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr("camera_window_seconds"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { options.Validate(); }), HasSubstr("camera_window_seconds"));
   options.camera_window_seconds = 1.0;
   options.restarts = 0;
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr("restarts"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { options.Validate(); }), HasSubstr("restarts"));
   options.restarts = 1;
   options.perspective = "yes";
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr("off, learned"));
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [] { PresetOptions("papper"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { options.Validate(); }), HasSubstr("off, learned"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [] { PresetOptions("papper"); }),
               AllOf(HasSubstr("papper"), HasSubstr("paper+c")));
 }
 
@@ -87,7 +88,7 @@ TEST(TrainOptions, AblationsAndBaselinesGoWithWhatTheyChange) {
   const auto complaint = [](const std::string& preset, const std::string& name, const std::string& value) {
     TrainOptions options = PresetOptions(preset);
     options.Set(name, value);
-    return ErrorOf(ExitCode::kUsage, [&] { options.Validate(); });
+    return ErrorOf(ErrorKind::kInvalidArgument, [&] { options.Validate(); });
   };
   EXPECT_THAT(complaint("paper", "network", "martinez"), HasSubstr("needs supervision"));
   EXPECT_THAT(complaint("paper", "consistency", "equal_cameras"), HasSubstr("camera_consistency"));
@@ -103,16 +104,16 @@ TEST(TrainOptions, WhatChangesA3dPoseNeedsOne) {
   for (const char* name : {"new_views", "flips", "joint_dropout"}) {
     TrainOptions unsupervised = PresetOptions("paper");
     unsupervised.Set(name, "0.5");
-    EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { unsupervised.Validate(); }), HasSubstr("need supervision"));
+    EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { unsupervised.Validate(); }), HasSubstr("need supervision"));
     options.Set(name, "1.5");
-    EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { options.Validate(); }), HasSubstr(name));
+    EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { options.Validate(); }), HasSubstr(name));
     options.Set(name, "0");
   }
   TrainOptions turned = PresetOptions("paper");
   turned.ray = "root";
   turned.Validate();
   turned.camera_consistency = "static";
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { turned.Validate(); }), HasSubstr("camera_consistency"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { turned.Validate(); }), HasSubstr("camera_consistency"));
 }
 
 TEST(LearningRateFactor, CosineFallsFromOneToNothingStepByStep) {

@@ -2,16 +2,14 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <thread>
 
 #include <Eigen/Geometry>
 
+#include "canonpose/base/callbacks.h"
 #include "canonpose/base/random.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/train/trainer.h"
@@ -100,19 +98,13 @@ inline Dataset CalibratedShow(int frames, int cameras) {
   return dataset;
 }
 
-/// What train() returns where a SIGTERM comes after `delay`. One that comes after training has ended does not end the
-/// test.
+/// What train() returns where it is asked to stop when it asks for the `polls`th time.
 template <typename TrainOnce>
-auto InterruptedAfter(std::chrono::milliseconds delay, TrainOnce&& train) {
-  std::thread interrupter([delay] {
-    std::this_thread::sleep_for(delay);
-    std::raise(SIGTERM);
-  });
-  const auto before = std::signal(SIGTERM, SIG_IGN);
-  const auto report = train();
-  interrupter.join();
-  std::signal(SIGTERM, before);
-  return report;
+auto StoppedAfter(int polls, TrainOnce&& train) {
+  Callbacks callbacks;
+  callbacks.stop = [&polls] { return --polls <= 0; };
+  const CallbackScope scope(callbacks);
+  return train();
 }
 
 /// A short training on it, on one thread.

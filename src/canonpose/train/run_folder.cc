@@ -21,8 +21,8 @@ void PrepareRunFolder(const fs::path& folder, bool resume, bool overwrite) {
   const bool holds_run = fs::exists(folder / "model.cpm") || holds_checkpoint;
   const bool goes_on = resume && holds_checkpoint;
   if (holds_run && !goes_on && !overwrite) {
-    ThrowUsage(
-        "{} holds a training run already; add --resume to go on with it, --overwrite to replace it, or choose another "
+    ThrowInvalidArgument(
+        "{} holds a training run already; add `resume` to go on with it, `overwrite` to replace it, or choose another "
         "folder",
         folder.string());
   }

@@ -8,8 +8,8 @@
 
 namespace canonpose {
 
-/// Makes the folder and removes what kills left half-written. Throws Error(kUsage) where it holds a run and neither
-/// `resume` nor `overwrite` says what to do with it.
+/// Makes the folder and removes what kills left half-written. Throws Error(kInvalidArgument) where it holds a run and
+/// neither `resume` nor `overwrite` says what to do with it.
 void PrepareRunFolder(const std::filesystem::path& folder, bool resume, bool overwrite);
 
 /// Removes the lines of metrics.jsonl that lie after a checkpoint's step and those of restarts that were not finished

@@ -86,10 +86,17 @@ StarterRecipe StarterRecipe::Default() {
   recipe.training = PresetOptions("supervised");
   recipe.training.preset = "starter";
   static constexpr std::pair<const char*, const char*> kSettings[] = {
-      {"width", "256"}, {"batch_frames", "128"},       {"learning_rate", "0.002"},
-      {"epochs", "12"}, {"validation", "0"},           {"checkpoint_seconds", "1000000"},
-      {"ray", "root"},  {"schedule", "cosine"},        {"joint_dropout", "0.3"},
-      {"threads", "1"}, {"input_confidences", "missing"},
+      {"width", "256"},
+      {"batch_frames", "128"},
+      {"learning_rate", "0.002"},
+      {"epochs", "12"},
+      {"validation", "0"},
+      {"checkpoint_seconds", "1000000"},
+      {"ray", "root"},
+      {"schedule", "cosine"},
+      {"joint_dropout", "0.3"},
+      {"threads", "1"},
+      {"input_confidences", "missing"},
   };
   for (const auto& [name, value] : kSettings) recipe.training.Set(name, value);
   return recipe;
@@ -120,14 +127,14 @@ Dataset StarterPeople(const StarterRecipe& recipe) {
   return people;
 }
 
-int TrainStarter(const StarterRecipe& recipe, const std::filesystem::path& run_folder) {
+bool TrainStarter(const StarterRecipe& recipe, const std::filesystem::path& run_folder) {
   TrainJob job;
   job.datasets.push_back(StarterPeople(recipe));
   job.data_files = {"simulated people"};
   job.options = recipe.training;
   job.run_folder = run_folder;
   job.overwrite = true;
-  return Train(job).interrupted_by;
+  return !Train(job).stopped;
 }
 
 }  // namespace canonpose

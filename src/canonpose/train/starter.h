@@ -45,9 +45,9 @@ struct StarterRecipe {
 /// The simulated people that the starter learns from.
 Dataset StarterPeople(const StarterRecipe& recipe);
 
-/// Trains into `run_folder` and returns the signal that stopped it, 0 where none did; model.cpm there is the starter.
+/// Trains into `run_folder`; model.cpm there is the starter. False where it was asked to stop before the end.
 /// With the same recipe it has the same bits on machines of one kind.
-int TrainStarter(const StarterRecipe& recipe, const std::filesystem::path& run_folder);
+bool TrainStarter(const StarterRecipe& recipe, const std::filesystem::path& run_folder);
 
 /// What tells whether a starter is the one that a recipe makes, without training it anew. Figures may differ by about
 /// 1e-4 between machines of different kinds.

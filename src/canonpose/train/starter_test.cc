@@ -53,14 +53,14 @@ TEST(Starter, TheSameRecipeGivesTheSameBits) {
   recipe.training.width = 16;
   recipe.training.epochs = 2;
   const TemporaryFolder folder;
-  ASSERT_EQ(TrainStarter(recipe, folder / "a"), 0);
-  ASSERT_EQ(TrainStarter(recipe, folder / "b"), 0);
+  ASSERT_TRUE(TrainStarter(recipe, folder / "a"));
+  ASSERT_TRUE(TrainStarter(recipe, folder / "b"));
   const auto weights = [&](const char* name) {
     return ReadModelFile(folder / name).parameters.at("pose3d.weight").values;
   };
   EXPECT_EQ(weights("a"), weights("b"));
   recipe.capture.seed = 1;
-  ASSERT_EQ(TrainStarter(recipe, folder / "c"), 0);
+  ASSERT_TRUE(TrainStarter(recipe, folder / "c"));
   EXPECT_NE(weights("a"), weights("c"));
 }
 
@@ -82,7 +82,7 @@ TEST(Starter, KnowsPeopleOnly) {
 }
 
 TEST(Starter, ADamagedCardIsRefused) {
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [] { StarterCard::FromJson("{}", "starter.json"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { StarterCard::FromJson("{}", "starter.json"); }),
               HasSubstr("starter.json"));
 }
 

@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "canonpose/base/atomic_file.h"
+#include "canonpose/base/callbacks.h"
 #include "canonpose/base/error.h"
-#include "canonpose/base/interrupt.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/progress.h"
 #include "canonpose/base/version.h"
@@ -55,8 +55,8 @@ class TrainingRun {
   [[nodiscard]] const Schedule& schedule() const { return schedule_; }
   void Restore(const Checkpoint& checkpoint);
   void Save();
-  /// Trains until the end or a signal; returns the signal.
-  int Run();
+  /// False where it was asked to stop before the end; the checkpoint is saved.
+  bool Run(LogFile& log);
   TrainReport Finish();
 
  private:
@@ -84,7 +84,7 @@ class TrainingRun {
   void StartAfresh();
   void EndRestart();
   void RestoreState(const Checkpoint& checkpoint);
-  void EndEpoch();
+  void EndEpoch(LogFile& log);
   [[nodiscard]] std::string DescribeLoss() const;
   /// Over every n-th frame of a set, about `frames_wanted` of them, without camera consistency.
   Losses MeanLossesOf(const TrainingSet& set, std::size_t frames_wanted);
@@ -277,7 +277,7 @@ void TrainingRun::RequireSoundness() {
 }
 
 void TrainingRun::StopAtBadLoss(const std::string& what) {
-  ThrowComputation("{} of {}; {}; try again with a smaller --set learning_rate", what, schedule_.steps(),
+  ThrowComputation("{} of {}; {}; try again with a smaller `learning_rate`", what, schedule_.steps(),
                    KeepLastGoodModel(run_folder_, {kPerspectiveName}));
 }
 
@@ -343,7 +343,7 @@ void TrainingRun::EndRestart() {
   LogInfo("going on with restart {}", restarts_.running + 1);
 }
 
-void TrainingRun::EndEpoch() {
+void TrainingRun::EndEpoch(LogFile& log) {
   const auto now = std::chrono::steady_clock::now();
   if (plan().IsRunning(restarts_)) {  // these epochs are not the run's unless it is chosen, and it has the like to come
     epoch_start_ = now;
@@ -366,8 +366,8 @@ void TrainingRun::EndEpoch() {
   line["perspective"] = perspective_.item<double>();
   line["seconds"] = std::chrono::duration<double>(now - epoch_start_).count();
   AppendLine(File("metrics.jsonl"), line.dump());
-  LogToFileOnly(fmt::format("epoch {}/{}: loss {:.4f}, validation {:.4f}", epoch(), schedule_.epochs,
-                            sums_.total / steps, validation.value_or(NAN)));
+  log.Write(fmt::format("epoch {}/{}: loss {:.4f}, validation {:.4f}", epoch(), schedule_.epochs, sums_.total / steps,
+                        validation.value_or(NAN)));
   epoch_start_ = now;
   sums_ = {};
 }
@@ -379,8 +379,7 @@ std::string TrainingRun::DescribeLoss() const {
                      sums_.reprojection / steps, sums_.view / steps, sums_.camera / steps);
 }
 
-int TrainingRun::Run() {
-  const InterruptGuard interrupt;
+bool TrainingRun::Run(LogFile& log) {
   Progress progress("step", plan().StepsInAll(), plan().StepsDone(restarts_, step_));
   Clock::time_point last_save = Clock::now();
   while (step_ < schedule_.steps()) {
@@ -392,16 +391,17 @@ int TrainingRun::Run() {
     if (progress.IsDue()) {
       progress.Update(plan().StepsDone(restarts_, step_), DescribeLoss());
     }
-    if (step_ % schedule_.steps_per_epoch == 0) EndEpoch();
+    if (step_ % schedule_.steps_per_epoch == 0) EndEpoch(log);
     if (plan().IsRunning(restarts_) && step_ == plan().steps()) EndRestart();
     const bool is_due = std::chrono::duration<double>(Clock::now() - last_save).count() >= options_.checkpoint_seconds;
-    if (is_due || interrupt.signal() != 0 || step_ == schedule_.steps()) {
+    const bool must_stop = step_ < schedule_.steps() && StopRequested();
+    if (is_due || must_stop || step_ == schedule_.steps()) {
       Save();
       last_save = Clock::now();
     }
-    if (interrupt.signal() != 0 && step_ < schedule_.steps()) return interrupt.signal();
+    if (must_stop) return false;
   }
-  return 0;
+  return true;
 }
 
 TrainReport TrainingRun::Finish() {
@@ -429,7 +429,7 @@ void DescribeStart(const TrainingRun& run, const TrainOptions& options) {
   LogInfo("preset {}, width {}, {} epochs of {} steps on {} ({} threads)", options.preset, options.width,
           schedule.epochs, schedule.steps_per_epoch, options.device, ThreadCount());
   if (options.epochs == 0 && schedule.epochs != options.default_epochs) {
-    LogInfo("a small recording: {} epochs in place of {}, so that {} steps are taken (--epochs overrides)",
+    LogInfo("a small recording: {} epochs in place of {}, so that {} steps are taken (`epochs` overrides)",
             schedule.epochs, options.default_epochs, schedule.steps());
   }
   if (options.camera_consistency == "static" && moving > 0) {
@@ -466,7 +466,7 @@ TrainReport Train(const TrainJob& given) {
     // An earlier model and checkpoint stay until this run replaces them by its own.
     for (const char* name : {"metrics.jsonl", "train.log"}) fs::remove(job.run_folder / name);
   }
-  const LogFile log(job.run_folder / "train.log");
+  LogFile log(job.run_folder / "train.log");
   DescribeStart(run, job.options);
   const fs::path checkpoint_path = job.run_folder / "checkpoint.h5";
   if (job.resume && fs::exists(checkpoint_path)) {
@@ -479,12 +479,8 @@ TrainReport Train(const TrainJob& given) {
     run.Save();
   }
   TrainReport report;
-  const int signal = run.Run();
-  if (signal == 0) {
-    report = run.Finish();
-  } else {
-    report.interrupted_by = signal;
-  }
+  report.stopped = !run.Run(log);
+  if (!report.stopped) report = run.Finish();
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
 }

@@ -35,7 +35,7 @@ struct TrainReport {
   ModelInfo model;
   double seconds = 0.0;
   std::optional<double> validation_loss;  ///< reprojection loss of held-out frames, without camera consistency
-  int interrupted_by = 0;                 ///< the signal that ended training early; the checkpoint is saved
+  bool stopped = false;                   ///< by Callbacks::stop, before the end; the checkpoint is saved
 };
 
 /// The options a run in `run_folder` was started with; nothing where it holds no checkpoint.
@@ -44,9 +44,9 @@ std::optional<TrainOptions> RecordedOptions(const std::filesystem::path& run_fol
 /// Trains to the end, an interruption or a failure. With the same data, options and number of threads the model has the
 /// same bits on the CPU, however often it was killed and resumed.
 ///
-/// Throws Error(kUsage) where the folder holds a run and neither resume nor overwrite is asked for, Error(kBadInput)
-/// where data differ from the checkpoint's or files cannot be written, Error(kComputation) where a loss is no longer
-/// finite: model.cpm is then the last good one.
+/// Throws Error(kInvalidArgument) where the folder holds a run and neither resume nor overwrite is asked for,
+/// Error(kBadInput) where data differ from the checkpoint's or files cannot be written, Error(kComputation) where a
+/// loss is no longer finite: model.cpm is then the last good one.
 TrainReport Train(const TrainJob& job);
 
 }  // namespace canonpose

@@ -28,7 +28,7 @@ using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 using testing::CalibratedShow;
-using testing::InterruptedAfter;
+using testing::StoppedAfter;
 using testing::kJoints;
 using testing::PuppetShow;
 
@@ -199,10 +199,9 @@ TEST_P(TrainInPieces, InterruptedAndResumedGivesTheSameBitsAndMetrics) {
   job.options.checkpoint_seconds = 0.01;
   int interruptions = 0;
   for (int attempt = 0; attempt < 40; ++attempt) {
-    const TrainReport report =
-        InterruptedAfter(std::chrono::milliseconds(20 + 15 * attempt), [&] { return Train(job); });
+    const TrainReport report = StoppedAfter(5 + 7 * attempt, [&] { return Train(job); });
     job.resume = true;
-    if (report.interrupted_by != 0) {
+    if (report.stopped) {
       ++interruptions;
     } else if (interruptions > 0) {
       break;
@@ -268,7 +267,7 @@ TEST(Train, WithACalibrationDepthsAreLearnedFromTriangulatedPoses) {
   EXPECT_GT(DepthCorrelation(*lifter, CalibratedRing(60, 3)), 0.9);
 
   job = Job(folder, "bare", "epipolar");
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("--calibration"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(job); }), HasSubstr("`calibration`"));
 }
 
 TEST(Train, WithTruthDepthsAreLearnedTheRightWayRound) {
@@ -298,11 +297,11 @@ TEST(Train, SupervisionWithoutTruthIsRefused) {
   const TemporaryFolder folder;
   TrainJob job = Job(folder, "run", "supervised");
   for (CameraView& view : job.datasets[0].sequences[0].cameras) view.truth.clear();
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("show.h5: expected truth"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(job); }), HasSubstr("show.h5: expected truth"));
   job.options.supervision = "solved";
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("run `canonpose solve` first"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(job); }), HasSubstr("run `canonpose solve` first"));
   job.options.perspective = "learned";
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { Train(job); }), HasSubstr("supervision"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { Train(job); }), HasSubstr("supervision"));
 }
 
 TEST(Train, RotationsStartSpreadOutExactly) {
@@ -346,10 +345,9 @@ TEST(Train, CameraConsistencyWithinWindowsServesMovingCamerasAndIsResumable) {
   pieces.run_folder = folder / "pieces";
   pieces.options.checkpoint_seconds = 0.0;
   for (int attempt = 0; attempt < 100; ++attempt) {
-    const int interrupted_by =
-        InterruptedAfter(std::chrono::milliseconds(50 + 10 * attempt), [&] { return Train(pieces).interrupted_by; });
+    const bool stopped = StoppedAfter(5 + 7 * attempt, [&] { return Train(pieces).stopped; });
     pieces.resume = true;
-    if (interrupted_by == 0) break;
+    if (!stopped) break;
   }
   EXPECT_EQ(ReadModelFile(folder / "window").parameters.at("upscale.weight").values,
             ReadModelFile(folder / "pieces").parameters.at("upscale.weight").values);
@@ -375,7 +373,7 @@ TEST(Train, LossThatIsNoNumberStopsWithTheLastGoodModelKept) {
   const TemporaryFolder folder;
   TrainJob job = Job(folder, "run");
   job.options.learning_rate = 1e30;
-  EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { Train(job); }), HasSubstr("learning_rate"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kComputation, [&] { Train(job); }), HasSubstr("learning_rate"));
   for (const auto& [name, array] : ReadModelFile(job.run_folder).parameters) {
     for (const float value : array.values) ASSERT_TRUE(std::isfinite(value)) << name;
   }
@@ -387,7 +385,7 @@ TEST(Train, WeightsSpoiledByTheLastStepAreNotKept) {
   job.options.epochs = 1;
   job.options.batch_frames = 1000;  // one step
   job.options.learning_rate = 1e38;
-  EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { Train(job); }), HasSubstr("learning_rate"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kComputation, [&] { Train(job); }), HasSubstr("learning_rate"));
   for (const auto& [name, array] : ReadModelFile(job.run_folder).parameters) {
     for (const float value : array.values) ASSERT_LT(std::abs(value), 1e3) << name;
   }
@@ -398,7 +396,7 @@ TEST(Train, FrequentCheckpointsKeepTheLastGoodModelToo) {
   TrainJob job = Job(folder, "run");
   job.options.checkpoint_seconds = 0.0;
   job.options.learning_rate = 1e38;
-  EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { Train(job); }), HasSubstr("step 0"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kComputation, [&] { Train(job); }), HasSubstr("step 0"));
   for (const auto& [name, array] : ReadModelFile(job.run_folder).parameters) {
     for (const float value : array.values) ASSERT_LT(std::abs(value), 1e3) << name;
   }
@@ -412,7 +410,7 @@ TEST(Train, AFailedRunDoesNotTakeAnEarlierModelWithIt) {
   const std::string model = ReadFile(job.run_folder / "model.cpm");
   job.overwrite = true;
   job.options.learning_rate = 1e38;
-  ErrorOf(ExitCode::kComputation, [&] { Train(job); });
+  ErrorOf(ErrorKind::kComputation, [&] { Train(job); });
   EXPECT_EQ(ReadFile(job.run_folder / "model.cpm"), model);
 }
 
@@ -423,7 +421,7 @@ TEST(Train, ResumingWhereOnlyAModelIsLeftIsRefused) {
   Train(job);
   std::filesystem::remove(job.run_folder / "checkpoint.h5");
   job.resume = true;
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { Train(job); }), HasSubstr("--overwrite"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { Train(job); }), HasSubstr("`overwrite`"));
 }
 
 TEST(Train, RefusesToReplaceARunUnlessAsked) {
@@ -431,7 +429,7 @@ TEST(Train, RefusesToReplaceARunUnlessAsked) {
   TrainJob job = Job(folder, "run");
   job.options.epochs = 1;
   Train(job);
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [&] { Train(job); }), HasSubstr("--resume"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { Train(job); }), HasSubstr("`resume`"));
   job.overwrite = true;
   Train(job);
 }
@@ -443,7 +441,7 @@ TEST(Train, ResumingWithOtherDataIsRefused) {
   Train(job);
   job.resume = true;
   job.datasets = {PuppetShow(40, 3, /*seed=*/9)};
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("fingerprint"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(job); }), HasSubstr("fingerprint"));
 }
 
 TEST(Train, ResumingWithOtherTruthIsRefused) {
@@ -454,7 +452,7 @@ TEST(Train, ResumingWithOtherTruthIsRefused) {
   job.resume = true;
   Train(job);
   job.datasets[0].sequences[0].cameras[0].truth[4] += 100.0F;
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("fingerprint"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(job); }), HasSubstr("fingerprint"));
 }
 
 TEST(Train, DamagedCheckpointIsRefused) {
@@ -465,7 +463,7 @@ TEST(Train, DamagedCheckpointIsRefused) {
   const std::string whole = ReadFile(job.run_folder / "checkpoint.h5");
   WriteFileAtomically(job.run_folder / "checkpoint.h5", whole.substr(0, whole.size() / 2));
   job.resume = true;
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Train(job); }), HasSubstr("checkpoint.h5"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(job); }), HasSubstr("checkpoint.h5"));
 }
 
 TEST(Train, FullDiskKeepsTheLastCheckpoint) {
@@ -480,7 +478,7 @@ TEST(Train, FullDiskKeepsTheLastCheckpoint) {
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &unlimited), 0);
   const rlimit limit{4096, unlimited.rlim_max};
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
-  const std::string message = ErrorOf(ExitCode::kBadInput, [&] { Train(job); });
+  const std::string message = ErrorOf(ErrorKind::kBadInput, [&] { Train(job); });
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &unlimited), 0);
   EXPECT_THAT(message, HasSubstr("free some space"));
   EXPECT_EQ(ReadFile(job.run_folder / "checkpoint.h5"), checkpoint);
@@ -490,7 +488,7 @@ TEST(Train, OneCameraIsNotEnough) {
   const TemporaryFolder folder;
   TrainJob job = Job(folder, "run");
   job.datasets = {PuppetShow(40, 1)};
-  EXPECT_THAT(ErrorOf(ExitCode::kComputation, [&] { Train(job); }), HasSubstr("all recordings have one camera"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kComputation, [&] { Train(job); }), HasSubstr("all recordings have one camera"));
 }
 
 }  // namespace

@@ -102,10 +102,10 @@ TrapFinding ReportTrap(const TrapSigns& signs, const InputForm& input) {
   finding.verdict = verdict == TrapVerdict::kTrapped ? "trapped" : "suspicious";
   LogWarning(
       "trap: training {} in a solution that is none ({}; people seen from all around are as deep as wide, and cameras "
-      "turn little from frame to frame): train again with {}--set camera_consistency=static where cameras stand still, "
-      "--set camera_consistency=window --set camera_weight=0.5 where they move, more epochs or another --seed",
+      "turn little from frame to frame): train again with {}`camera_consistency=static` where cameras stand still, "
+      "`camera_consistency=window` `camera_weight=0.5` where they move, more epochs or another `seed`",
       verdict == TrapVerdict::kTrapped ? "has settled" : "may have settled", signs.Describe(),
-      input.ray == "off" ? "" : "--set ray=off and ");  // which camera consistency needs
+      input.ray == "off" ? "" : "`ray=off` and ");  // which camera consistency needs
   return finding;
 }
 

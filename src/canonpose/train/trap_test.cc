@@ -96,12 +96,12 @@ TEST(ReportTrap, RecordsTheFiguresAndTheVerdict) {
 
 TEST(ReportTrap, AdvisesNothingThatTheOptionsRefuse) {
   const auto advice = [](const InputForm& input) {
-    ::testing::internal::CaptureStderr();
+    const testing::CollectedMessages messages;
     ReportTrap({1.93, 34.0, 33.0}, input);
-    return ::testing::internal::GetCapturedStderr();
+    return messages.text();
   };
   EXPECT_THAT(advice({}), Not(HasSubstr("ray=off")));
-  EXPECT_THAT(advice({"root", "guess"}), HasSubstr("--set ray=off and --set camera_consistency=static"));
+  EXPECT_THAT(advice({"root", "guess"}), HasSubstr("`ray=off` and `camera_consistency=static`"));
 }
 
 /// A lifter that sees the same body everywhere, whose joints lie on the axes, under the same rotation.

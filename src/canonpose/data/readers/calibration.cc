@@ -92,7 +92,7 @@ const CalibratedCamera& FindCalibration(const std::map<std::string, CalibratedCa
   if (found != cameras.end()) return found->second;
   std::string names;
   for (const auto& [other, camera] : cameras) names += (names.empty() ? "" : ", ") + other;
-  ThrowBadInput({path.string(), "cameras", "camera " + name, names, "name the cameras alike; see --camera NAME=PATH"});
+  ThrowBadInput({path.string(), "cameras", "camera " + name, names, "name the cameras alike; see `camera` NAME=PATH"});
 }
 
 }  // namespace canonpose

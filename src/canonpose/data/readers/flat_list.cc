@@ -97,7 +97,7 @@ std::vector<CameraInput> FindFileCameras(const fs::path& path, IsFrameFile is_fr
     if (inner.size() == 1) inside = CamerasInFolder(inner.front(), is_frame_file);
     if (inside.size() > 1) {
       ThrowBadInput({folder.string(), "", "one camera in each sub-folder", fmt::format("{} files", inside.size()),
-                     "name the cameras with --camera NAME=PATH"});
+                     "name the cameras with `camera` NAME=PATH"});
     }
     if (!inside.empty()) cameras.push_back({CameraNameOf(folder), inside.front().path});
   }

@@ -65,8 +65,8 @@ const DetectionFormat& FindDetectionFormat(std::string_view name) {
   for (const DetectionFormat& format : DetectionFormats()) {
     if (SameName(format.name, name)) return format;
   }
-  ThrowUsage("there is no format \"{}\"; the formats are {}, and import reads the benchmarks {}", name,
-             DetectionFormatNames(), BenchmarkFormatNames());
+  ThrowInvalidArgument("there is no format \"{}\"; the formats are {}, and import reads the benchmarks {}", name,
+                       DetectionFormatNames(), BenchmarkFormatNames());
 }
 
 std::string DetectionFormatNames() {

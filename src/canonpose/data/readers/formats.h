@@ -20,7 +20,7 @@ struct DetectionFormat {
 
 const std::vector<DetectionFormat>& DetectionFormats();
 
-/// By name, ignoring case. Throws Error(kUsage) naming all where there is none.
+/// By name, ignoring case. Throws Error(kInvalidArgument) naming all where there is none.
 const DetectionFormat& FindDetectionFormat(std::string_view name);
 
 /// "openpose, alphapose, ..."

@@ -17,7 +17,7 @@ using testing::TemporaryFolder;
 std::string LoadError(const std::string& text) {
   const TemporaryFolder folder;
   WriteFileAtomically(folder / "a.json", text);
-  return ErrorOf(ExitCode::kBadInput, [&] { JsonValue::Load(folder / "a.json"); });
+  return ErrorOf(ErrorKind::kBadInput, [&] { JsonValue::Load(folder / "a.json"); });
 }
 
 JsonValue Load(const std::string& text) {
@@ -31,9 +31,9 @@ TEST(Json, ValuesKnowTheirPlace) {
   const JsonValue numbers = root["people"].At(0)["a"];
   EXPECT_EQ(numbers.place(), "people[0].a");
   EXPECT_EQ(numbers.Numbers(), (std::vector<double>{1.0, 2.5}));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)numbers.String(); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)numbers.String(); }),
               AllOf(HasSubstr("a.json: people[0].a: expected a string, found an array of 2 values")));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)root["bodies"]; }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)root["bodies"]; }),
               HasSubstr("an object with bodies, found one with people"));
 }
 
@@ -66,14 +66,14 @@ TEST(Json, NumbersMustBeNumbersThatFit) {
         std::pair("[1, 1e200]", "found 1e+200"), std::pair("[1, [2]]", "found an array of 1 value"),
         std::pair("[1, true]", "found true")}) {
     const JsonValue root = Load(text);
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)root.Numbers(); }),
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)root.Numbers(); }),
                 AllOf(HasSubstr("[1]: "), HasSubstr(found)));
   }
   EXPECT_EQ(Load("[3.0]").At(0).Integer(), 3);
   const JsonValue half = Load("[3.5]");
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)half.At(0).Integer(); }), HasSubstr("a whole number"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)half.At(0).Integer(); }), HasSubstr("a whole number"));
   const JsonValue huge = Load("[18446744073709551615]");
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { (void)huge.At(0).Integer(); }), HasSubstr("a smaller whole number"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)huge.At(0).Integer(); }), HasSubstr("a smaller whole number"));
 }
 
 TEST(Json, OtherFilesAreNoJson) {
@@ -81,7 +81,7 @@ TEST(Json, OtherFilesAreNoJson) {
               AllOf(HasSubstr("line 1, column 1"), HasSubstr("expected JSON, found 'hello'")));
   EXPECT_THAT(LoadError("\x89HDF\r\n"), HasSubstr("expected JSON"));
   EXPECT_THAT(LoadError("[1] [2]"), HasSubstr("expected JSON"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [] { JsonValue::Load("/nonexistent/a.json"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { JsonValue::Load("/nonexistent/a.json"); }),
               AllOf(HasSubstr("/nonexistent/a.json"), HasSubstr("No such file")));
 }
 

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFolderAdvice =
-    "give the folder that OpenPose's --write_json wrote, or the folder above several of those";
+    "give the folder that OpenPose's write_json option wrote, or the folder above several of those";
 
 bool IsEmptyFolder(const fs::path& folder) {
   std::error_code error;
@@ -51,7 +51,7 @@ void RefuseLeftOut(const fs::path& folder) {
   if (const fs::path below = FolderOfFramesBelow(folder, kLevels); !below.empty()) {
     ThrowBadInput({folder.string(), "", "one JSON file a frame, as the folders beside it have",
                    "frames only deeper down, in " + below.string(),
-                   fmt::format("move them up, or add --camera {}={}", folder.filename().string(), below.string())});
+                   fmt::format("move them up, or add `camera` {}={}", folder.filename().string(), below.string())});
   }
 }
 
@@ -111,7 +111,7 @@ std::vector<CameraInput> FindOpenPoseCameras(const fs::path& path) {
     if (HasFrames(files)) {
       ThrowBadInput({path.string(), "", "frames, or a sub-folder of those for each camera",
                      fmt::format("both: frames, and sub-folder {} with JSON files", cameras.front().name),
-                     "move one of them elsewhere, or name each camera's folder with --camera NAME=PATH"});
+                     "move one of them elsewhere, or name each camera's folder with `camera` NAME=PATH"});
     }
     for (const fs::path& folder : others) RefuseLeftOut(folder);
     return cameras;

@@ -39,13 +39,13 @@ std::vector<DetectedCamera> ReadAll(const std::string& format, const fs::path& p
 std::string OpenPoseError(const std::string& text) {
   const TemporaryFolder folder;
   WriteFileAtomically(folder / "frame_0001.json", text);
-  return ErrorOf(ExitCode::kBadInput, [&] { ReadAll("openpose", folder.path()); });
+  return ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("openpose", folder.path()); });
 }
 
 std::string FileError(const std::string& format, const std::string& text) {
   const TemporaryFolder folder;
   WriteFileAtomically(folder / "cam.json", text);
-  return ErrorOf(ExitCode::kBadInput, [&] { ReadAll(format, folder / "cam.json"); });
+  return ErrorOf(ErrorKind::kBadInput, [&] { ReadAll(format, folder / "cam.json"); });
 }
 
 /// count values 1, 2, 3, ... with commas.
@@ -146,27 +146,27 @@ TEST(Formats, CamerasTakeTheNameOfWhatTellsThemApart) {
 }
 
 TEST(Formats, UnknownOnesAreUsageErrors) {
-  EXPECT_THAT(ErrorOf(ExitCode::kUsage, [] { FindDetectionFormat("kinect"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [] { FindDetectionFormat("kinect"); }),
               HasSubstr("openpose, alphapose, mmpose, coco"));
 }
 
 TEST(Formats, ContentOfNoFormatIsRefused) {
   const TemporaryFolder folder;
   WriteFileAtomically(folder / "a.json", R"({"a": 1})");
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { DetectFormat(folder / "a.json"); }), HasSubstr("none of these"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { DetectFormat(folder.path()); }), HasSubstr("none of these"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { DetectFormat(folder / "nothing"); }), HasSubstr("No such file"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { DetectFormat(folder / "a.json"); }), HasSubstr("none of these"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { DetectFormat(folder.path()); }), HasSubstr("none of these"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { DetectFormat(folder / "nothing"); }), HasSubstr("No such file"));
 }
 
 TEST(Formats, TheWrongFormatNamesTheRightOne) {
   const fs::path all = TestData("detections");
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadAll("mmpose", all / "coco"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("mmpose", all / "coco"); }),
               HasSubstr("looks like the format coco"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadAll("coco", all / "mmpose_video"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("coco", all / "mmpose_video"); }),
               HasSubstr("looks like the format mmpose"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadAll("openpose", all / "mmpose_images"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("openpose", all / "mmpose_images"); }),
               HasSubstr("looks like the format mmpose"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadAll("alphapose", all / "mmpose_demo"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("alphapose", all / "mmpose_demo"); }),
               HasSubstr("looks like the format mmpose"));
 }
 
@@ -199,7 +199,7 @@ TEST(OpenPose, FramesOfTwoCamerasInOneFolderAreRefused) {
   WriteFileAtomically(folder / "cam1_0001.json", OpenPoseFrame("1,2,0.5"));
   WriteFileAtomically(folder / "cam2_0001.json", OpenPoseFrame("1,2,0.5"));
   EXPECT_THAT(
-      ErrorOf(ExitCode::kBadInput, [&] { ReadAll("openpose", folder.path()); }),
+      ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("openpose", folder.path()); }),
       AllOf(HasSubstr("cam1_0001.json and cam2_0001.json, both frame 1"), HasSubstr("one folder or file a camera")));
 }
 
@@ -231,7 +231,7 @@ TEST(OpenPose, NobodyInAnyFrameIsRefused) {
 TEST(OpenPose, FoldersAreChecked) {
   const TemporaryFolder folder;
   const auto error = [&] {
-    return ErrorOf(ExitCode::kBadInput, [&] { FindDetectionFormat("openpose").find_cameras(folder.path()); });
+    return ErrorOf(ErrorKind::kBadInput, [&] { FindDetectionFormat("openpose").find_cameras(folder.path()); });
   };
   EXPECT_THAT(error(), HasSubstr("found an empty folder"));
   WriteFileAtomically(folder / "readme.txt", "");
@@ -243,9 +243,9 @@ TEST(OpenPose, FoldersAreChecked) {
   EXPECT_THAT(error(), AllOf(HasSubstr("cam2"), HasSubstr("found an empty folder")));
   WriteFileAtomically(folder.path() / "cam2" / "notes.txt", "");
   EXPECT_EQ(FindDetectionFormat("openpose").find_cameras(folder.path()).size(), 1U);
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadAll("openpose", folder / "calibration.json"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("openpose", folder / "calibration.json"); }),
               HasSubstr("expected a folder with one JSON file a frame, found a file"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadAll("openpose", folder / "none"); }), HasSubstr("No such file"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("openpose", folder / "none"); }), HasSubstr("No such file"));
 }
 
 TEST(OpenPose, FramesBesideFoldersOfFramesAreRefused) {
@@ -253,8 +253,8 @@ TEST(OpenPose, FramesBesideFoldersOfFramesAreRefused) {
   MakeDirectory(folder / "cam1");
   WriteFileAtomically(folder.path() / "cam1" / "1.json", OpenPoseFrame("1,2,0.5"));
   WriteFileAtomically(folder / "frame_1.json", OpenPoseFrame("1,2,0.5"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { FindDetectionFormat("openpose").find_cameras(folder.path()); }),
-              AllOf(HasSubstr("found both: frames, and sub-folder cam1"), HasSubstr("--camera NAME=PATH")));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { FindDetectionFormat("openpose").find_cameras(folder.path()); }),
+              AllOf(HasSubstr("found both: frames, and sub-folder cam1"), HasSubstr("`camera` NAME=PATH")));
   fs::rename(folder / "frame_1.json", folder / "calibration_1.json");
   WriteFileAtomically(folder / "calibration_1.json", "{\"cameras\": {}}");
   EXPECT_EQ(FindDetectionFormat("openpose").find_cameras(folder.path()).size(), 1U);
@@ -268,9 +268,9 @@ TEST(OpenPose, ACameraWithItsFramesDeeperDownIsNotLeftOut) {
   const auto find = [&] { return FindDetectionFormat("openpose").find_cameras(folder.path()); };
   EXPECT_EQ(find().size(), 1U);
   WriteFileAtomically(folder / "cam2/run/json/1.json", OpenPoseFrame("1,2,0.5"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, find),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, find),
               AllOf(HasSubstr("cam2: expected one JSON file a frame"), HasSubstr("frames only deeper down"),
-                    HasSubstr("--camera cam2=")));
+                    HasSubstr("`camera` cam2=")));
 }
 
 TEST(OpenPose, ReadsTheRealRecording) {
@@ -350,7 +350,7 @@ constexpr const char* kCamera =
 std::string CalibrationError(const std::string& text) {
   const TemporaryFolder folder;
   WriteFileAtomically(folder / "calibration.json", text);
-  return ErrorOf(ExitCode::kBadInput, [&] { ReadCalibration(folder / "calibration.json"); });
+  return ErrorOf(ErrorKind::kBadInput, [&] { ReadCalibration(folder / "calibration.json"); });
 }
 
 TEST(Calibration, IsReadInMillimetres) {
@@ -362,7 +362,7 @@ TEST(Calibration, IsReadInMillimetres) {
   EXPECT_EQ(camera.camera.camera_from_world_translation_mm, Eigen::Vector3d(1000, 2000, 3000));
   EXPECT_EQ(camera.camera.K(0, 2), 320.0);
   EXPECT_EQ(camera.image_size, (std::array<int, 2>{640, 480}));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { FindCalibration(cameras, "b", "c.json"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { FindCalibration(cameras, "b", "c.json"); }),
               HasSubstr("c.json: cameras: expected camera b, found a"));
 }
 

@@ -48,7 +48,7 @@ bool Reads(const Victim& victim, const std::string& text) {
       CheckLayout(std::span(&clip, 1), "");
     }
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::kBadInput) << error.what();
+    EXPECT_EQ(error.kind(), ErrorKind::kBadInput) << error.what();
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
     return false;
   }

@@ -58,11 +58,11 @@ ArticulatedMotion Read(const std::string& asf, const std::string& amc) {
 }
 
 std::string AsfError(const std::string& from, const std::string& to) {
-  return ErrorOf(ExitCode::kBadInput, [&] { Read(Replaced(TinyAsf(), from, to), TinyAmc()); });
+  return ErrorOf(ErrorKind::kBadInput, [&] { Read(Replaced(TinyAsf(), from, to), TinyAmc()); });
 }
 
 std::string AmcError(const std::string& from, const std::string& to) {
-  return ErrorOf(ExitCode::kBadInput, [&] { Read(TinyAsf(), Replaced(TinyAmc(), from, to)); });
+  return ErrorOf(ErrorKind::kBadInput, [&] { Read(TinyAsf(), Replaced(TinyAmc(), from, to)); });
 }
 
 TEST(Acclaim, PositionsAreThoseComputedByHand) {
@@ -147,15 +147,15 @@ TEST(Acclaim, DamagedSkeletonsSayWhereAndWhat) {
   EXPECT_THAT(AsfError("root thigh trunk\n    thigh shank", "root trunk\n thigh shank\n shank thigh"),
               HasSubstr("circle"));
   EXPECT_THAT(AsfError("  end\n:hierarchy", ":hierarchy"), HasSubstr("the end of bone trunk"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [] { Read("", TinyAmc()); }), HasSubstr("an empty file"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [] { Read("{\"a\": 1}", TinyAmc()); }), HasSubstr("no Acclaim skeleton"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Read("", TinyAmc()); }), HasSubstr("an empty file"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Read("{\"a\": 1}", TinyAmc()); }), HasSubstr("no Acclaim skeleton"));
 }
 
 TEST(Acclaim, EveryCutOfASkeletonIsFound) {
   const std::string whole = TinyAsf();
   const std::size_t last = whole.rfind("end");
   for (std::size_t size = 0; size < last; size += 7) {
-    const std::string message = ErrorOf(ExitCode::kBadInput, [&] { Read(whole.substr(0, size), TinyAmc()); });
+    const std::string message = ErrorOf(ErrorKind::kBadInput, [&] { Read(whole.substr(0, size), TinyAmc()); });
     EXPECT_THAT(message, HasSubstr("s.asf")) << size;
   }
 }
@@ -184,22 +184,22 @@ TEST(Acclaim, DamagedMotionsSayWhereAndWhat) {
   // A bone without degrees of freedom has no place in a frame.
   EXPECT_THAT(AmcError("thigh 90", "trunk 90"), HasSubstr("expected 0 values of trunk"));
   for (const char* empty : {"", "# nothing\n", ":DEGREES\n"}) {
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Read(TinyAsf(), empty); }), HasSubstr("no Acclaim motion"));
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Read(TinyAsf(), empty); }), HasSubstr("no Acclaim motion"));
   }
 }
 
 TEST(Acclaim, FindsTheSkeletonOfAClip) {
   const TemporaryFolder folder;
   WriteText(folder / "7_1.amc", TinyAmc());
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadAcclaim(folder / "7_1.amc"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAcclaim(folder / "7_1.amc"); }),
               AllOf(HasSubstr("7_1.amc"), HasSubstr(".asf"), HasSubstr("found none")));
   WriteText(folder / "someone.asf", TinyAsf());
   EXPECT_EQ(ReadAcclaim(folder / "7_1.amc").subject, "someone");
   WriteText(folder / "other.asf", TinyAsf());
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadAcclaim(folder / "7_1.amc"); }), HasSubstr("2 of other names"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAcclaim(folder / "7_1.amc"); }), HasSubstr("2 of other names"));
   WriteText(folder / "7.ASF", TinyAsf());
   EXPECT_EQ(ReadAcclaim(folder / "7_1.amc").subject, "7");
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadAcclaim(folder / "8_1.amc"); }), HasSubstr("check the path"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAcclaim(folder / "8_1.amc"); }), HasSubstr("check the path"));
 }
 
 TEST(MotionFiles, AreFoundInFoldersAndByThemselves) {
@@ -216,9 +216,9 @@ TEST(MotionFiles, AreFoundInFoldersAndByThemselves) {
   EXPECT_EQ(found({"a", "3.bvh"}), (std::vector<std::string>{"3.bvh", "a/2.amc", "a/b/1.BVH"}));
   EXPECT_EQ(found({"a/2.amc", "a"}), (std::vector<std::string>{"a/2.amc", "a/b/1.BVH"}));
   for (const char* name : {"empty", "nowhere", "a/notes.txt"}) {
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { found({"a", name}); }), HasSubstr(name));
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { found({"a", name}); }), HasSubstr(name));
   }
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadMotion(folder / "a/notes.txt"); }), HasSubstr("found .txt"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadMotion(folder / "a/notes.txt"); }), HasSubstr("found .txt"));
 }
 
 }  // namespace

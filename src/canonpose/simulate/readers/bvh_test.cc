@@ -41,7 +41,7 @@ ArticulatedMotion Read(const std::string& text, double unit_mm = 10.0) {
 }
 
 std::string BvhError(const std::string& from, const std::string& to) {
-  return ErrorOf(ExitCode::kBadInput, [&] { Read(Replaced(Tiny(), from, to)); });
+  return ErrorOf(ErrorKind::kBadInput, [&] { Read(Replaced(Tiny(), from, to)); });
 }
 
 Vector3d At(const ArticulatedMotion& motion, int frame, const std::string& joint) {
@@ -116,7 +116,7 @@ TEST(Bvh, TheUnitIsToldByTheStature) {
   }
   const TemporaryFolder folder;
   WriteText(folder / "clip.bvh", Replaced(Tiny(), "OFFSET 0 50 0", "OFFSET 0 300 0"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { ReadBvh(folder / "clip.bvh"); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadBvh(folder / "clip.bvh"); }),
               AllOf(HasSubstr("clip.bvh"), HasSubstr("420 units tall")));
 }
 
@@ -156,7 +156,7 @@ TEST(Bvh, ChannelsMayBeFewAndEndSitesEmpty) {
 
 TEST(Bvh, DamagedMotionsSayWhereAndWhat) {
   const std::string tiny = Tiny();
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Read(tiny.substr(0, tiny.find("MOTION"))); }),
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Read(tiny.substr(0, tiny.find("MOTION"))); }),
               AllOf(HasSubstr("expected MOTION, found the end of the file")));
   EXPECT_THAT(BvhError("Frames: 2", "Frames: 3"), AllOf(HasSubstr("Frames: says, 3, found 2 rows")));
   EXPECT_THAT(BvhError("Frames: 2", "Frames: 1"), AllOf(HasSubstr("line 29"), HasSubstr("more rows")));
@@ -179,7 +179,7 @@ TEST(Bvh, EveryCutIsFound) {
   const std::string whole = Tiny();
   // Up to the last row's last value, which may be shorter by a digit and still be a number.
   for (std::size_t size = 0; size + 4 < whole.size(); size += 3) {
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Read(whole.substr(0, size)); }), HasSubstr("clip.bvh")) << size;
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Read(whole.substr(0, size)); }), HasSubstr("clip.bvh")) << size;
   }
 }
 

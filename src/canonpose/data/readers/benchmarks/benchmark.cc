@@ -20,11 +20,11 @@ namespace canonpose {
 
 const std::vector<BenchmarkFormat>& BenchmarkFormats() {
   static const std::vector<BenchmarkFormat> formats = {
-      {"h36m", {"--calibration"}, ImportH36m},
-      {"canonpose-detections", {"--image-size", "--layout", "--fps"}, ImportCanonPoseDetections},
-      {"3dhp-train", {"--calibration", "--truth", "--fps"}, ImportMpi3dhpTrain},
-      {"3dhp-test", {"--image-size", "--truth", "--fps"}, ImportMpi3dhpTest},
-      {"skipose", {"--fps"}, ImportSkiPose}};
+      {"h36m", {"calibration"}, ImportH36m},
+      {"canonpose-detections", {"image_size", "layout", "fps"}, ImportCanonPoseDetections},
+      {"3dhp-train", {"calibration", "truth", "fps"}, ImportMpi3dhpTrain},
+      {"3dhp-test", {"image_size", "truth", "fps"}, ImportMpi3dhpTest},
+      {"skipose", {"fps"}, ImportSkiPose}};
   return formats;
 }
 
@@ -43,23 +43,22 @@ std::string BenchmarkFormatNames() {
 void BenchmarkOptions::Validate() const {
   const BenchmarkFormat* const benchmark = FindBenchmarkFormat(format);
   if (benchmark == nullptr) {
-    ThrowUsage("there is no benchmark \"{}\"; the benchmarks are {}", format, BenchmarkFormatNames());
+    ThrowInvalidArgument("there is no benchmark \"{}\"; the benchmarks are {}", format, BenchmarkFormatNames());
   }
-  if (paths.empty()) ThrowUsage("give the benchmark's file");
+  if (paths.empty()) ThrowInvalidArgument("give the benchmark's file");
   for (const auto& [option, is_given] :
-       {std::pair("--calibration", !calibration.empty()), std::pair("--layout", !layout.empty()),
-        std::pair("--truth", !truth.empty()), std::pair("--image-size", image_size[0] > 0),
-        std::pair("--fps", fps != 0.0)}) {
+       {std::pair("calibration", !calibration.empty()), std::pair("layout", !layout.empty()),
+        std::pair("truth", !truth.empty()), std::pair("image_size", image_size[0] > 0), std::pair("fps", fps != 0.0)}) {
     const bool is_understood =
         std::find(benchmark->options.begin(), benchmark->options.end(), option) != benchmark->options.end();
-    if (is_given && !is_understood) ThrowUsage("{} has no meaning for {}", option, benchmark->name);
+    if (is_given && !is_understood) ThrowInvalidArgument("`{}` has no meaning for {}", option, benchmark->name);
   }
   if (!truth.empty() && truth != "annot3" && truth != "univ_annot3") {
-    ThrowUsage("--truth is annot3 or univ_annot3, not \"{}\"", truth);
+    ThrowInvalidArgument("`truth` is annot3 or univ_annot3, not \"{}\"", truth);
   }
-  if (!std::isfinite(fps) || fps < 0.0) ThrowUsage("--fps must be above 0, not {}", fps);
+  if (!std::isfinite(fps) || fps < 0.0) ThrowInvalidArgument("`fps` must be above 0, not {}", fps);
   if (!skeleton.empty() && skeleton != "native" && FindSkeleton(skeleton) == nullptr) {
-    ThrowUsage("there is no skeleton \"{}\"; there are {} and native", skeleton, BuiltinSkeletonNames());
+    ThrowInvalidArgument("there is no skeleton \"{}\"; there are {} and native", skeleton, BuiltinSkeletonNames());
   }
 }
 

@@ -22,7 +22,7 @@ struct BenchmarkOptions {
   std::array<int, 2> image_size{0, 0};  ///< 0: the benchmark's
   double fps = 0.0;                     ///< 0: the benchmark's, or unknown
 
-  /// Throws Error(kUsage), also for options that have no meaning for the benchmark.
+  /// Throws Error(kInvalidArgument), also for options that have no meaning for the benchmark.
   void Validate() const;
 };
 

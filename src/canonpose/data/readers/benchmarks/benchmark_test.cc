@@ -17,14 +17,14 @@ TEST(BenchmarkTest, OptionsWithoutMeaningAreRefused) {
   const auto refusal = [](const std::string& format, auto change) {
     BenchmarkOptions options = Options(format, {"x"});
     change(options);
-    return ErrorOf(ExitCode::kUsage, [&] { options.Validate(); });
+    return ErrorOf(ErrorKind::kInvalidArgument, [&] { options.Validate(); });
   };
   EXPECT_THAT(refusal("h36m", [](BenchmarkOptions& o) { o.truth = "annot3"; }),
-              HasSubstr("--truth has no meaning for h36m"));
-  EXPECT_THAT(refusal("h36m", [](BenchmarkOptions& o) { o.fps = 25; }), HasSubstr("--fps"));
-  EXPECT_THAT(refusal("skipose", [](BenchmarkOptions& o) { o.calibration = "x"; }), HasSubstr("--calibration"));
-  EXPECT_THAT(refusal("3dhp-train", [](BenchmarkOptions& o) { o.image_size = {1, 1}; }), HasSubstr("--image-size"));
-  EXPECT_THAT(refusal("3dhp-test", [](BenchmarkOptions& o) { o.layout = "x"; }), HasSubstr("--layout"));
+              HasSubstr("`truth` has no meaning for h36m"));
+  EXPECT_THAT(refusal("h36m", [](BenchmarkOptions& o) { o.fps = 25; }), HasSubstr("`fps`"));
+  EXPECT_THAT(refusal("skipose", [](BenchmarkOptions& o) { o.calibration = "x"; }), HasSubstr("`calibration`"));
+  EXPECT_THAT(refusal("3dhp-train", [](BenchmarkOptions& o) { o.image_size = {1, 1}; }), HasSubstr("`image_size`"));
+  EXPECT_THAT(refusal("3dhp-test", [](BenchmarkOptions& o) { o.layout = "x"; }), HasSubstr("`layout`"));
   EXPECT_THAT(refusal("3dhp-test", [](BenchmarkOptions& o) { o.truth = "annot2"; }),
               HasSubstr("annot3 or univ_annot3"));
   EXPECT_THAT(refusal("3dhp-test", [](BenchmarkOptions& o) { o.skeleton = "x"; }), HasSubstr("no skeleton \"x\""));

@@ -34,20 +34,15 @@ struct Imported {
 };
 
 inline Imported Import(const BenchmarkOptions& options) {
-  ::testing::internal::CaptureStderr();
+  const CollectedMessages messages;
   Imported imported;
-  try {
-    imported.dataset = ImportBenchmark(options);
-  } catch (...) {
-    ::testing::internal::GetCapturedStderr();
-    throw;
-  }
-  imported.log = ::testing::internal::GetCapturedStderr();
+  imported.dataset = ImportBenchmark(options);
+  imported.log = messages.text();
   return imported;
 }
 
-inline std::string Refusal(const BenchmarkOptions& options, ExitCode code = ExitCode::kBadInput) {
-  return ErrorOf(code, [&] { Import(options); });
+inline std::string Refusal(const BenchmarkOptions& options, ErrorKind kind = ErrorKind::kBadInput) {
+  return ErrorOf(kind, [&] { Import(options); });
 }
 
 inline const Sequence& Find(const Dataset& dataset, const std::string& name) {

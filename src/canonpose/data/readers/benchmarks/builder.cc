@@ -80,7 +80,7 @@ void ChooseCameras(Sequence& sequence, const std::vector<std::string>& wanted, c
   for (const CameraView& view : sequence.cameras) names.push_back(view.name);
   for (const std::string& name : wanted) {
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
-    ThrowBadInput({file, sequence.name, fmt::format("camera {}, as --cameras says", name),
+    ThrowBadInput({file, sequence.name, fmt::format("camera {}, as `cameras` says", name),
                    fmt::format("{}", fmt::join(names, ", ")), "name cameras that are there"});
   }
   KeepCameras(sequence, wanted);

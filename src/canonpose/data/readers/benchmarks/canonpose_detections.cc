@@ -95,7 +95,7 @@ void CheckOrder(const std::vector<Rows>& cameras, const std::string& chosen, con
   } else if (fit.misfit() > kClearlyBetter * other_fit.misfit() && other_fit.fits()) {
     LogWarning(
         "the joints look like those of {} rather than {} (limbs {:.1f} times as long as they need be, instead of "
-        "{:.1f}); to read them so: --layout {}",
+        "{:.1f}); to read them so: `layout` {}",
         other, chosen, fit.tree_ratio, other_fit.tree_ratio, other);
   } else if (!fit.fits()) {
     LogWarning(
@@ -137,10 +137,12 @@ CameraView MakeView(const Rows& rows, const std::vector<std::size_t>& chosen, do
 }  // namespace
 
 Dataset ImportCanonPoseDetections(const BenchmarkOptions& options) {
-  if (options.paths.size() != 1) ThrowUsage("canonpose-detections takes one file, not {}", options.paths.size());
+  if (options.paths.size() != 1)
+    ThrowInvalidArgument("canonpose-detections takes one file, not {}", options.paths.size());
   const std::string layout = options.layout.empty() ? kUsualLayout : options.layout;
   if (layout != kUsualLayout && layout != kOtherLayout) {
-    ThrowUsage("canonpose-detections takes --layout {} or {}, not \"{}\"", kUsualLayout, kOtherLayout, layout);
+    ThrowInvalidArgument("canonpose-detections takes `layout` {} or {}, not \"{}\"", kUsualLayout, kOtherLayout,
+                         layout);
   }
   const std::string file = options.paths.front().string();
   const pickle::Value root = pickle::Load(options.paths.front());
@@ -151,7 +153,7 @@ Dataset ImportCanonPoseDetections(const BenchmarkOptions& options) {
   const double scale = ConfidenceScale(cameras);
   const std::array<int, 2> image_size = options.image_size[0] > 0 ? options.image_size : kUsualSize;
   if (options.image_size[0] == 0) {
-    LogInfo("the file tells no image size: {}x{} is taken; --image-size says otherwise", image_size[0], image_size[1]);
+    LogInfo("the file tells no image size: {}x{} is taken; `image_size` says otherwise", image_size[0], image_size[1]);
   }
 
   std::vector<std::int64_t> in_order;

@@ -54,7 +54,7 @@ TEST(CanonPoseDetectionsTest, AnotherOrderIsNoticed) {
   ExpectNear(Find(dataset.sequences[1], "58860488").keypoints, File("canonpose/expected.npz"), "S1|58860488|keypoints");
   EXPECT_EQ(dataset.sequences[0].cameras[0].image_size, (std::array{640, 480}));
   options.layout = "coco-17";
-  EXPECT_THAT(Refusal(options, ExitCode::kUsage), HasSubstr("mpii-16"));
+  EXPECT_THAT(Refusal(options, ErrorKind::kInvalidArgument), HasSubstr("mpii-16"));
   options.layout.clear();
   options.skeleton = "h36m-17";
   EXPECT_EQ(Import(options).dataset.skeleton.joints[7], "Spine");

@@ -30,7 +30,8 @@ constexpr std::size_t kHuman36mJoints = 17;
 constexpr std::size_t kStoredJoints = 32;
 constexpr double kFramesPerSecond = 50.0;
 /// The 17 joints that the field uses.
-constexpr std::array<std::size_t, kHuman36mJoints> kKept = {0, 1, 2, 3, 6, 7, 8, 12, 13, 14, 15, 17, 18, 19, 25, 26, 27};
+constexpr std::array<std::size_t, kHuman36mJoints> kKept = {0,  1,  2,  3,  6,  7,  8,  12, 13,
+                                                            14, 15, 17, 18, 19, 25, 26, 27};
 /// Cameras and the sizes of their images, in the order of VideoPose3D.
 constexpr std::array<std::pair<const char*, std::array<int, 2>>, kCameras> kKnownCameras = {
     {{"54138969", {1000, 1002}}, {"55011271", {1000, 1000}}, {"58860488", {1000, 1000}}, {"60457274", {1000, 1002}}}};
@@ -229,7 +230,7 @@ class Human36mImporter {
     lenses_ = rig_ ? rig_->lenses : KnownLenses();
     if (!rig_ && files_.positions_3d) {
       LogWarning(
-          "without cameras there is no truth: 3D poses are in the world's frame; give --calibration cameras.json with "
+          "without cameras there is no truth: 3D poses are in the world's frame; give `calibration` cameras.json with "
           "VideoPose3D's h36m_cameras_extrinsic_params as \"extrinsic\" and h36m_cameras_intrinsic_params as "
           "\"intrinsic\"");
     }
@@ -343,7 +344,7 @@ class Human36mImporter {
     const auto cameras = rig_->cameras.find(subject);
     if (cameras == rig_->cameras.end() || cameras->second.empty()) {
       ThrowBadInput({options_.calibration.string(), "extrinsic", fmt::format("the cameras of {}", subject), "none",
-                     "dump all of VideoPose3D's parameters, or leave --calibration out"});
+                     "dump all of VideoPose3D's parameters, or leave `calibration` out"});
     }
     return &cameras->second;
   }
@@ -380,7 +381,7 @@ class Human36mImporter {
 
 Dataset ImportH36m(const BenchmarkOptions& options) {
   if (options.paths.size() > 2)
-    ThrowUsage("h36m takes the file of 2D poses and perhaps that of 3D poses, not {}", options.paths.size());
+    ThrowInvalidArgument("h36m takes the file of 2D poses and perhaps that of 3D poses, not {}", options.paths.size());
   return Human36mImporter(options).Run();
 }
 

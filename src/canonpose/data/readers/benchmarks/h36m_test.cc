@@ -82,7 +82,7 @@ TEST(H36mTest, OtherSkeletonsCamerasAndForms) {
   const CameraView& other = Find(Find(whole, "S1 Walking 1"), "60457274");
   for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_EQ(view.truth[3 * 6 + axis], other.truth[axis]) << "the root";
   options.cameras = {"1"};
-  EXPECT_THAT(Refusal(options), AllOf(HasSubstr("camera 1, as --cameras says"), HasSubstr("54138969, 55011271")));
+  EXPECT_THAT(Refusal(options), AllOf(HasSubstr("camera 1, as `cameras` says"), HasSubstr("54138969, 55011271")));
 
   const Dataset good = Import(Options("h36m", {"wrong/h36m_2d_good.npz"})).dataset;
   const Dataset array = Import(Options("h36m", {"wrong/h36m_2d_one_array.npz"})).dataset;

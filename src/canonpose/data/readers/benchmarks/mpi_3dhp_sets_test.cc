@@ -71,7 +71,7 @@ TEST(Mpi3dhpTrainTest, CalibrationTruthAndCamerasByChoice) {
   EXPECT_EQ(view.keypoints[2 * 1], in_h36m.keypoints[2 * 8]) << "the neck is Human3.6M's thorax";
 
   options.paths.push_back(File(kTrain2));
-  EXPECT_THAT(Refusal(options, ExitCode::kUsage), HasSubstr("one sequence"));
+  EXPECT_THAT(Refusal(options, ErrorKind::kInvalidArgument), HasSubstr("one sequence"));
   EXPECT_THAT(Refusal(Options("3dhp-train", {kTrain1, kTrain1})), HasSubstr("S1 Seq1 for the second time"));
 }
 
@@ -101,7 +101,7 @@ TEST(Mpi3dhpTrainTest, FoldersStandForTheirFiles) {
   EXPECT_EQ(Import(Options("3dhp-test", {"3dhp_test"})).dataset.sequences.size(), 2U);
   BenchmarkOptions options = Options("3dhp-train", {"3dhp_train"});
   options.calibration = File("3dhp_train/S1/Seq1/camera.calibration");
-  EXPECT_THAT(Refusal(options, ExitCode::kUsage), HasSubstr("one sequence"));
+  EXPECT_THAT(Refusal(options, ErrorKind::kInvalidArgument), HasSubstr("one sequence"));
   options.paths = {File("3dhp_train/S1")};
   ExpectTruthProjects(Import(options).dataset.sequences[0].cameras[0], 7, 0.01);
 }

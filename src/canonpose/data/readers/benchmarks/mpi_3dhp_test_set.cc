@@ -78,7 +78,8 @@ Annotation ReadAnnotation(const h5::Group& root, const std::string& name, std::s
   for (std::size_t axis = 0; axis < axes; ++axis) {
     for (std::size_t joint = 0; joint < kTestJoints; ++joint) {
       for (std::size_t t = 0; t < frames; ++t) {
-        annotation.values[(t * kTestJoints + joint) * axes + axis] = array.values[(axis * kTestJoints + joint) * frames + t];
+        annotation.values[(t * kTestJoints + joint) * axes + axis] =
+            array.values[(axis * kTestJoints + joint) * frames + t];
       }
     }
   }
@@ -203,7 +204,7 @@ class TestSetImporter {
     if (options_.image_size[0] > 0) return options_.image_size;
     if (number == 0) {
       ThrowBadInput({path.string(), "", "a folder TS1 to TS6, which tells the image size", "another",
-                     "give --image-size WxH, or the file in the benchmark's own folder"});
+                     "give `image_size` WxH, or the file in the benchmark's own folder"});
     }
     if (number >= 5) return {1920, 1080};
     return {2048, 2048};

@@ -163,8 +163,8 @@ class TrainSetImporter {
         truth_(options.truth.empty() ? "annot3" : options.truth) {
     if (options.calibration.empty()) return;
     if (files_.size() > 1) {
-      ThrowUsage("--calibration belongs to one sequence, and {} files are given; import them one by one",
-                 files_.size());
+      ThrowInvalidArgument("`calibration` belongs to one sequence, and {} files are given; import them one by one",
+                           files_.size());
     }
     rig_ = ReadTrainRig(options.calibration);
   }
@@ -178,8 +178,8 @@ class TrainSetImporter {
     BenchmarkBuilder builder(options, layout, layout, is_native ? "3dhp-17" : "h36m-17");
     for (const fs::path& path : files_) builder.Add(ReadSequence(path), path);
     LogInfo("truth is {}{}; the annotations have no confidences: all are 1", truth_,
-            truth_ == "annot3" ? ", the poses as they were (univ_annot3: scaled to one height, with --truth)"
-                               : ", scaled to one height (annot3: the poses as they were, with --truth)");
+            truth_ == "annot3" ? ", the poses as they were (univ_annot3: scaled to one height, with `truth`)"
+                               : ", scaled to one height (annot3: the poses as they were, with `truth`)");
     sides_.Warn();
     return builder.Finish();
   }

@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 std::filesystem::path File(const std::string& name) { return TestData("benchmarks/pickles") / name; }
 
 std::string Refusal(const std::string& bytes) {
-  return ErrorOf(ExitCode::kBadInput, [&] { Decode(bytes, "x.pickle"); });
+  return ErrorOf(ErrorKind::kBadInput, [&] { Decode(bytes, "x.pickle"); });
 }
 
 std::vector<double> NumbersAt(const Value& root, const std::string& key) {
@@ -90,7 +90,7 @@ TEST(PickleTest, EveryProtocolGivesTheSameValues) {
 
 TEST(PickleTest, WhatCannotBeHadIsTold) {
   const Value root = Load(File("values_p5.pickle"));
-  const auto refusal = [](auto action) { return ErrorOf(ExitCode::kBadInput, action); };
+  const auto refusal = [](auto action) { return ErrorOf(ErrorKind::kBadInput, action); };
   EXPECT_THAT(refusal([&] { (void)root["nowhere"]; }),
               AllOf(HasSubstr("member \"nowhere\""), HasSubstr("none, true, false")));
   EXPECT_THAT(refusal([&] { (void)root["text"].Integer(); }), HasSubstr("[\"text\"]: expected a whole number"));
@@ -104,16 +104,16 @@ TEST(PickleTest, WhatCannotBeHadIsTold) {
 
 TEST(PickleTest, NothingIsExecuted) {
   for (const char* const protocol : {"p0", "p2", "p5"}) {
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Load(File(fmt::format("os_system_{}.pickle", protocol))); }),
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Load(File(fmt::format("os_system_{}.pickle", protocol))); }),
                 AllOf(HasSubstr("the name posix.system"), HasSubstr("nothing was executed")));
-    EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [&] { Load(File(fmt::format("eval_{}.pickle", protocol))); }),
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Load(File(fmt::format("eval_{}.pickle", protocol))); }),
                 HasSubstr(".eval"));
   }
   EXPECT_FALSE(std::filesystem::exists("/tmp/canonpose-was-executed"));
   EXPECT_THAT(Refusal("cos\nsystem\n(S'ls'\ntR."), HasSubstr("os.system"));
   EXPECT_THAT(Refusal("(S'ls'\nios\nsystem\n."), HasSubstr("os.system"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [] { Load(File("numpy_load.pickle")); }), HasSubstr("numpy.load"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [] { Load(File("object.pickle")); }), HasSubstr("pathlib.PurePosixPath"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Load(File("numpy_load.pickle")); }), HasSubstr("numpy.load"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Load(File("object.pickle")); }), HasSubstr("pathlib.PurePosixPath"));
   // Known names do not make calls of others possible.
   EXPECT_THAT(Refusal("cnumpy\nndarray\n(tR."), HasSubstr("a call of numpy.ndarray"));
   EXPECT_THAT(Refusal("cnumpy\nndarray\n(to."), HasSubstr("an object of a class"));
@@ -123,9 +123,9 @@ TEST(PickleTest, NothingIsExecuted) {
 }
 
 TEST(PickleTest, WhatIsEndlessOrTooLargeIsRefused) {
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [] { Load(File("endless.pickle")); }), HasSubstr("contains itself"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [] { Load(File("deep.pickle")); }), HasSubstr("more than 100 deep"));
-  EXPECT_THAT(ErrorOf(ExitCode::kBadInput, [] { Load(File("set.pickle")); }), HasSubstr("a set"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Load(File("endless.pickle")); }), HasSubstr("contains itself"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Load(File("deep.pickle")); }), HasSubstr("more than 100 deep"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Load(File("set.pickle")); }), HasSubstr("a set"));
   EXPECT_THAT(Refusal(std::string("\x80\x06N.", 4)), HasSubstr("protocol 6"));
   EXPECT_THAT(Refusal(std::string("\x8e\xff\xff\xff\xff\xff\xff\xff\x7f.", 10)), HasSubstr("where 1 are left"));
   EXPECT_THAT(Refusal(std::string("\x95\xff\xff\x00\x00\x00\x00\x00\x00N.", 11)), HasSubstr("a frame of 65535 bytes"));
@@ -157,7 +157,7 @@ bool Reads(const std::string& bytes) {
       (void)root[key].Describe();
     }
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::kBadInput) << error.what();
+    EXPECT_EQ(error.kind(), ErrorKind::kBadInput) << error.what();
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
     return false;
   }

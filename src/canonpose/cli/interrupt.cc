@@ -1,4 +1,4 @@
-#include "canonpose/base/interrupt.h"
+#include "canonpose/cli/interrupt.h"
 
 #include <csignal>
 
@@ -12,9 +12,15 @@ extern "C" void NoteSignal(int signal) { received_signal = signal; }
 constexpr int kSignals[] = {SIGINT, SIGTERM};
 struct sigaction previous_actions[2];
 
+Callbacks CallbacksThatStop() {
+  Callbacks callbacks = PassOn();
+  callbacks.stop = [] { return received_signal != 0; };
+  return callbacks;
+}
+
 }  // namespace
 
-InterruptGuard::InterruptGuard() {
+StopOnSignal::StopOnSignal() : scope_(CallbacksThatStop()) {
   received_signal = 0;
   struct sigaction action {};
   action.sa_handler = NoteSignal;
@@ -23,10 +29,10 @@ InterruptGuard::InterruptGuard() {
   for (int i = 0; i < 2; ++i) sigaction(kSignals[i], &action, &previous_actions[i]);
 }
 
-InterruptGuard::~InterruptGuard() {
+StopOnSignal::~StopOnSignal() {
   for (int i = 0; i < 2; ++i) sigaction(kSignals[i], &previous_actions[i], nullptr);
 }
 
-int InterruptGuard::signal() const { return received_signal; }
+int StopOnSignal::exit_code() const { return 128 + received_signal; }
 
 }  // namespace canonpose

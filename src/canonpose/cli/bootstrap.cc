@@ -113,15 +113,15 @@ StartPoses Bootstrap(const Dataset& dataset, const std::string& file, const Boot
   if (!options.model.empty()) return LiftAll(PoseLifter::Open(options.model, options.device), dataset, file);
   const bool knows = StarterKnows(dataset.skeleton);
   const bool stands = std::ranges::all_of(dataset.sequences, &Sequence::static_cameras);
-  if (options.kind == "starter" && !knows) {
+  if (options.kind == BootstrapKind::kStarter && !knows) {
     ThrowBadInput({file, "/skeleton", "a person's joints, by the names of a built-in skeleton",
                    fmt::format("{}", fmt::join(dataset.skeleton.joints, ", ")),
                    "choose another --bootstrap, or name a model that was trained on such data"});
   }
-  if (options.kind == "factorisation" || (options.kind == "auto" && !knows && stands)) {
+  if (options.kind == BootstrapKind::kFactorisation || (options.kind == BootstrapKind::kAuto && !knows && stands)) {
     return FactorisedStart(dataset, file);
   }
-  if (options.kind == "method" || !knows) return BootstrapByMethod(dataset, file, options);
+  if (options.kind == BootstrapKind::kMethod || !knows) return BootstrapByMethod(dataset, file, options);
   return LiftWithStarter(dataset, options.device);
 }
 

@@ -11,7 +11,7 @@
 namespace canonpose {
 
 struct BootstrapOptions {
-  std::string kind = "auto";    ///< TrainOptions::bootstrap
+  BootstrapKind kind = BootstrapKind::kAuto;
   std::filesystem::path model;  ///< a model or run to start from instead; empty: none
   /// Where `method` trains; a run that was interrupted there goes on. Empty: a temporary folder.
   std::filesystem::path run_folder;

@@ -16,8 +16,8 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/cli/commands.h"
-#include "canonpose/cli/option_names.h"
 #include "canonpose/cli/evaluate_datasets.h"
+#include "canonpose/cli/option_names.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/evaluate/archives.h"
 #include "canonpose/evaluate/report.h"
@@ -106,7 +106,7 @@ EvaluationReport EvaluatePaths(const EvaluateArguments& arguments, FrameErrors* 
   if (arguments.paths.size() < 2) ThrowInvalidArgument("give the data to evaluate {} on", first.string());
   job.files.erase(job.files.begin());
   const PoseLifter lifter = PoseLifter::Open(first, arguments.device);
-  if (arguments.canonical && lifter.info().network != "canonical") {
+  if (arguments.canonical && lifter.info().network != NetworkKind::kCanonical) {
     ThrowInvalidArgument("--canonical is for models with a canonical pose: {} predicts poses in the camera alone",
                          first.string());
   }

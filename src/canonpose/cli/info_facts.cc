@@ -99,7 +99,7 @@ Facts TrapFacts(const TrapFinding& trap) {
 void AddModel(const ModelInfo& info, const fs::path& path, Facts& facts) {
   facts["program_version"] = info.program_version;
   facts["preset"] = info.preset;
-  facts["network"] = info.network;
+  facts["network"] = ToString(info.network);
   facts["width"] = info.width;
   facts["seed"] = info.seed;
   facts["steps"] = info.steps;

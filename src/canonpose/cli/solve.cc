@@ -50,12 +50,14 @@ void AddSolveCommand(CLI::App& app) {
       ->required();
   command->add_option("--model", arguments->bootstrap.model, "Run or model file of a lifter to start from");
   command
-      ->add_option("--bootstrap", arguments->bootstrap.kind,
-                   "Without a model, start from: starter (a lifter trained on simulated people, which comes with the program), "
-                   "method (trained on the data itself), factorisation (no lifter: static cameras, any body), or auto: "
-                   "the starter where it knows the joints, otherwise factorisation or, for moving cameras, the method")
+      ->add_option_function<std::string>(
+          "--bootstrap",
+          [arguments](const std::string& name) { arguments->bootstrap.kind = ParseEnum<BootstrapKind>(name).value(); },
+          "Without a model, start from: starter (a lifter trained on simulated people, which comes with the program), "
+          "method (trained on the data itself), factorisation (no lifter: static cameras, any body), or auto: "
+          "the starter where it knows the joints, otherwise factorisation or, for moving cameras, the method")
       ->check(CLI::IsMember({"auto", "starter", "method", "factorisation"}))
-      ->capture_default_str();
+      ->default_str("auto");
   command
       ->add_option("--mirror", arguments->options.mirror,
                    "auto: decide by perspective; keep or flip: the start's poses as they are, or mirrored in depth")
@@ -64,7 +66,8 @@ void AddSolveCommand(CLI::App& app) {
   command->add_option("--json", arguments->json, "Write the report to this file, too");
   command->add_option("--device", arguments->bootstrap.device, "cpu or cuda")->capture_default_str();
   command->add_option("--threads", arguments->options.threads, "Number of threads (default: all cores)");
-  command->add_option("--seed", arguments->bootstrap.seed, "Seed of the lifter that --bootstrap method trains")->capture_default_str();
+  command->add_option("--seed", arguments->bootstrap.seed, "Seed of the lifter that --bootstrap method trains")
+      ->capture_default_str();
   command->callback([arguments] { RunSolve(*arguments); });
 }
 

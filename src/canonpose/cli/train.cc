@@ -14,6 +14,7 @@
 #include "canonpose/base/progress.h"
 #include "canonpose/cli/best.h"
 #include "canonpose/cli/commands.h"
+#include "canonpose/cli/field_options.h"
 #include "canonpose/cli/interrupt.h"
 #include "canonpose/data/choice.h"
 #include "canonpose/data/dataset.h"
@@ -24,6 +25,8 @@ namespace canonpose {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kDefaultPreset = "best";
 
 /// What was given on the command line; what was not keeps the preset's value.
 struct TrainArguments {
@@ -45,7 +48,7 @@ void Apply(const TrainArguments& arguments, TrainOptions& options) {
   for (const auto& [name, value] : arguments.named) options.Set(name, value);
   for (const std::string& setting : arguments.settings) {
     const std::size_t equals = setting.find('=');
-    if (equals == std::string::npos) ThrowInvalidArgument("--set: expected key=value, found \"{}\"", setting);
+    if (equals == std::string::npos) ThrowInvalidArgument("--set: expected NAME=VALUE, found \"{}\"", setting);
     options.Set(setting.substr(0, equals), setting.substr(equals + 1));
   }
 }
@@ -54,7 +57,7 @@ void Apply(const TrainArguments& arguments, TrainOptions& options) {
 TrainOptions ResolveOptions(const TrainArguments& arguments) {
   std::optional<TrainOptions> recorded;
   if (arguments.resume) recorded = RecordedOptions(arguments.run_folder);
-  TrainOptions options = PresetOptions(arguments.preset.empty() ? "best" : arguments.preset);
+  TrainOptions options = PresetOptions(arguments.preset.empty() ? kDefaultPreset : arguments.preset);
   if (recorded) {
     options = *recorded;
     if (!arguments.preset.empty()) options.preset = arguments.preset;
@@ -108,11 +111,24 @@ void RunTrain(const TrainArguments& arguments) {
     LogInfo("stopped and saved; to go on, run the same command with --resume");
     throw CLI::RuntimeError(stop.exit_code());
   }
-  const std::string perspective =
-      job.options.perspective == "learned" ? fmt::format(", perspective factor {:.2f}", report.model.perspective) : "";
+  const std::string perspective = job.options.perspective == PerspectiveForm::kLearned
+                                      ? fmt::format(", perspective factor {:.2f}", report.model.perspective)
+                                      : "";
   LogInfo("trained {} steps in {}{}{}; the model is {}", report.model.steps, FormatDuration(report.seconds),
           report.validation_loss ? fmt::format(", validation loss {:.4f}", *report.validation_loss) : "", perspective,
           (job.run_folder / "model.cpm").string());
+}
+
+}  // namespace
+
+namespace {
+
+std::string TrainFooter() {
+  std::vector<std::pair<std::string, std::string>> presets;
+  for (const Preset& preset : Presets()) presets.emplace_back(preset.name, preset.description);
+  std::vector<OptionDescription> options = DescribeTrainOptions();
+  std::erase_if(options, [](const OptionDescription& option) { return option.name == "preset"; });
+  return "Presets:\n" + ListInColumns(presets) + "\nTraining options, for --set NAME=VALUE:\n" + ListOptions(options);
 }
 
 }  // namespace
@@ -122,22 +138,12 @@ void AddTrainCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("train", "Train a lifter on datasets, without labels or calibration");
   command->add_option("data", arguments->data, "Dataset files made by import")->required();
   command->add_option("-o,--output", arguments->run_folder, "Folder for the model, checkpoints and logs")->required();
-  command->add_option("--preset", arguments->preset, fmt::format("One of {} (default best)", PresetNames()));
+  command->add_option("--preset", arguments->preset,
+                      fmt::format("One of {}; see below (default {})", PresetNames(), kDefaultPreset));
   // These are --set with a name of their own.
-  const auto add = [&](const std::string& option, const std::string& field, const std::string& help) {
-    command
-        ->add_option_function<std::string>(
-            option, [arguments, field](const std::string& value) { arguments->named.emplace_back(field, value); }, help)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-  };
-  add("--epochs", "epochs", "Times to go through the data (default 100, more for small recordings)");
-  add("--width", "width", "Width of the network's layers (default 256 for best and plus, otherwise 1024)");
-  add("--device", "device", "cpu or cuda (default cpu)");
-  add("--seed", "seed", "Seed of all randomness (default 0)");
-  add("--mirror", "mirror", "auto: decide by perspective; keep or flip: by your choice (default auto)");
-  add("--threads", "threads",
-      "Number of threads (default: 1 to train, all cores to solve). More than 1 helps wide networks on an idle "
-      "machine");
+  AddFieldOptions(
+      *command, DescribeTrainOptions(), {"epochs", "width", "device", "seed", "mirror", "threads"},
+      [arguments](const std::string& field, const std::string& value) { arguments->named.emplace_back(field, value); });
   command->add_option("--frames", arguments->frames, "Train on frames A-B of each sequence only, counted from 0");
   command->add_option("--subjects", arguments->subjects, "Train on these subjects only: A,B");
   command->add_option("--cameras", arguments->cameras,
@@ -146,8 +152,9 @@ void AddTrainCommand(CLI::App& app) {
                       "Move the detector's joints by this morphing network first (train-morph); the model keeps it");
   command->add_flag("--resume", arguments->resume, "Go on with the run in the output folder where there is one");
   command->add_flag("--overwrite", arguments->overwrite, "Replace the run in the output folder");
-  command->add_option("--set", arguments->settings, "key=value for any training option; an unknown key lists them")
+  command->add_option("--set", arguments->settings, "NAME=VALUE for any training option; they are listed below")
       ->allow_extra_args(false);
+  command->footer(TrainFooter());
   command->callback([arguments] { RunTrain(*arguments); });
 }
 

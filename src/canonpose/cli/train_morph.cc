@@ -9,6 +9,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/cli/commands.h"
+#include "canonpose/cli/field_options.h"
 #include "canonpose/cli/interrupt.h"
 #include "canonpose/data/choice.h"
 #include "canonpose/data/dataset.h"
@@ -86,7 +87,6 @@ void RunTrainMorph(const TrainMorphArguments& arguments) {
 
 void AddTrainMorphCommand(CLI::App& app) {
   auto arguments = std::make_shared<TrainMorphArguments>();
-  MorphOptions& options = arguments->options;
   CLI::App* command = app.add_subcommand(
       "train-morph", "Train a network that moves a detector's 2D joints to where another skeleton has them");
   command->add_option("data", arguments->detected, "Datasets with the detector's keypoints")->required();
@@ -95,14 +95,10 @@ void AddTrainMorphCommand(CLI::App& app) {
                       "The same recordings with true keypoints, one file for each (default: the truth of the datasets "
                       "themselves, seen by their calibrated cameras)");
   command->add_option("--subjects", arguments->subjects, "Learn from these subjects only: A,B")->type_name("NAMES");
-  command->add_option("--epochs", options.epochs, "Times to go through the poses")->capture_default_str();
-  command->add_option("--width", options.width, "Width of the network's layers")->capture_default_str();
-  command->add_option("--batch-poses", options.batch_poses, "Poses a step")->capture_default_str();
-  command->add_option("--learning-rate", options.learning_rate, "At the start")->capture_default_str();
-  command->add_option("--validation", options.validation, "Share of the poses that is held out")->capture_default_str();
-  command->add_option("--seed", options.seed, "Seed of all randomness")->capture_default_str();
-  command->add_option("--threads", options.threads, "Number of threads (default: 1)");
-  command->add_option("--device", options.device, "cpu or cuda")->capture_default_str();
+  AddFieldOptions(
+      *command, DescribeMorphOptions(),
+      {"epochs", "width", "batch_poses", "learning_rate", "validation", "seed", "threads", "device"},
+      [arguments](const std::string& field, const std::string& value) { arguments->options.Set(field, value); });
   command->add_flag("--resume", arguments->resume, "Go on with the run in the output folder where there is one");
   command->add_flag("--overwrite", arguments->overwrite, "Replace the run in the output folder");
   command->callback([arguments] { RunTrainMorph(*arguments); });

@@ -72,13 +72,13 @@ class LiftBatch {
     frames_.push_back(frame);
     input_.insert(input_.end(), pose.keypoints.begin(), pose.keypoints.end());
     input_.insert(input_.end(), pose.confidence.begin(), pose.confidence.end());
-    // Column by column: the rows of the transpose, which is what leads back.
+    // Eigen stores columns, LibTorch rows: this is the transpose, the inverse rotation.
     for (Eigen::Index i = 0; i < 9; ++i) {
       camera_from_turned_.push_back(static_cast<float>(turned_from_camera.data()[i]));
     }
   }
 
-  /// Lifts the frames that were added, into their places, and forgets them.
+  /// Lifts the frames that were added, writes them to their places, and empties the batch.
   void Lift(LiftingNetwork& network, int root, torch::Device device, LiftedPoses& lifted) {
     if (frames_.empty()) return;
     const auto joints = static_cast<std::size_t>(lifted.joint_count);
@@ -138,12 +138,11 @@ LiftedPoses PoseLifter::LiftMorphed(const CameraView& view, int frame_count) con
   const PoseInput pose_input(info().input, skeleton());
   if (pose_input.LacksCamera(view)) {
     LogWarning(
-        "{}: the model turns poses onto the optical axis, for which the image size must be known: poses beside the "
-        "axis "
-        "come out tilted (`image_size` WxH)",
-        view.name.empty() ? "the view" : view.name);
+        "{}: this model needs the image size to correct for the direction a person is seen in; without it, 3D poses "
+        "away from the image centre come out tilted: give `image_size`",
+        view.name.empty() ? "this view" : view.name);
   }
-  LiftBatch batch(info().input.ray != "off");
+  LiftBatch batch(info().input.ray != RayForm::kOff);
   NormalisedPose pose;
   Eigen::Matrix3d turned_from_camera;
   for (std::size_t t = 0; t < frames; ++t) {

@@ -80,7 +80,7 @@ TEST(PoseLifter, DoesNotDependOnWhereAndHowLargeThePersonIs) {
 
 TEST(PoseLifter, WithTheRayOnTheAxisThePoseIsThatOfACameraLookingStraightTurnedBack) {
   const TemporaryFolder folder;
-  const PoseLifter lifter = PoseLifter::Open(WriteModel(folder, {"root", "known"}));
+  const PoseLifter lifter = PoseLifter::Open(WriteModel(folder, {RayForm::kRoot, FocalSource::kKnown}));
   CameraView view = RandomView(4);
   Camera camera;
   camera.K << 900, 0, 500, 0, 900, 500, 0, 0, 1;

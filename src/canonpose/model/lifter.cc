@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "canonpose/base/error.h"
 #include "canonpose/model/uniform_initialisation.h"
 
 namespace canonpose {
@@ -35,11 +34,6 @@ torch::Tensor Rodrigues(const torch::Tensor& axis_angle) {
   return torch::eye(3, axis_angle.options()) + sine * cross + versine * torch::bmm(cross, cross);
 }
 
-RotationForm ParseRotationForm(const std::string& name) {
-  CANONPOSE_CHECK(name == "axis_angle" || name == "6d", "{}", name);
-  return name == "6d" ? RotationForm::kSix : RotationForm::kAxisAngle;
-}
-
 torch::Tensor RotationFromSix(const torch::Tensor& six) {
   const torch::Tensor first = Unit(six.narrow(1, 0, 3));  // (B, 3)
   const torch::Tensor b = six.narrow(1, 3, 3);
@@ -60,12 +54,6 @@ void LiftingNetwork::Mirror() {
     torch::Tensor parameter = item.value();
     MirrorRows(item.key(), parameter);
   }
-}
-
-ConfidenceInput ParseConfidenceInput(const std::string& name) {
-  CANONPOSE_CHECK(name == "on" || name == "missing" || name == "off", "{}", name);
-  if (name == "on") return ConfidenceInput::kAll;
-  return name == "missing" ? ConfidenceInput::kMissing : ConfidenceInput::kNone;
 }
 
 torch::Tensor LiftingNetwork::Seen(const torch::Tensor& input) const {

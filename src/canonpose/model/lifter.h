@@ -8,16 +8,9 @@
 
 #include <torch/torch.h>
 
+#include "canonpose/model/model_form.h"
+
 namespace canonpose {
-
-/// What the rotation branch ends in.
-enum class RotationForm {
-  kAxisAngle,  ///< three numbers: a rotation vector, see Rodrigues()
-  kSix,        ///< six: two columns of a matrix before they are made orthonormal, see RotationFromSix()
-};
-
-/// Of "axis_angle" or "6d", as options and model files name them.
-RotationForm ParseRotationForm(const std::string& name);
 
 struct LifterOutput {
   torch::Tensor pose;        ///< (B, 3, J) canonical pose X, in the network's unit
@@ -33,18 +26,6 @@ torch::Tensor Rodrigues(const torch::Tensor& axis_angle);
 /// made a unit vector, and their cross product. Continuous, which no form with three numbers is: Zhou et al., "On the
 /// Continuity of Rotation Representations in Neural Networks", CVPR 2019, equation 15.
 torch::Tensor RotationFromSix(const torch::Tensor& six);
-
-/// What a network sees of the confidences of its input.
-enum class ConfidenceInput {
-  kAll,  ///< how sure the detector is of each joint, as published
-  /// Which joints are missing: -1, the others 0; and the coordinates of a pose at a mean square of 1. Confidences near
-  /// 1 beside coordinates near 0.2 are a large constant to learn around, which costs accuracy (docs/results.md).
-  kMissing,
-  kNone,  ///< nothing: 2D coordinates alone
-};
-
-/// Of "on", "missing" or "off", as options and model files name them.
-ConfidenceInput ParseConfidenceInput(const std::string& name);
 
 /// What training and lifting know of a network.
 class LiftingNetwork : public torch::nn::Module {

@@ -179,15 +179,15 @@ TEST(Lifter, SeesOfConfidencesWhatItWasMadeToSee) {
   unsure.narrow(1, 2 * kJoints, kJoints).fill_(0.2);
   torch::Tensor missing = sure.clone();
   missing[0][2 * kJoints + 1] = 0.0;
-  const auto same = [&](const char* name, const torch::Tensor& a, const torch::Tensor& b) {
-    Lifter lifter(kJoints, 8, RotationForm::kAxisAngle, ParseConfidenceInput(name));
+  const auto same = [&](ConfidenceInput confidences, const torch::Tensor& a, const torch::Tensor& b) {
+    Lifter lifter(kJoints, 8, RotationForm::kAxisAngle, confidences);
     lifter->Initialise(1);
     return torch::equal(lifter->forward(a).pose, lifter->forward(b).pose);
   };
-  EXPECT_FALSE(same("on", sure, unsure));
-  EXPECT_TRUE(same("missing", sure, unsure));
-  EXPECT_FALSE(same("missing", sure, missing));
-  EXPECT_TRUE(same("off", sure, missing));
+  EXPECT_FALSE(same(ConfidenceInput::kAll, sure, unsure));
+  EXPECT_TRUE(same(ConfidenceInput::kMissing, sure, unsure));
+  EXPECT_FALSE(same(ConfidenceInput::kMissing, sure, missing));
+  EXPECT_TRUE(same(ConfidenceInput::kNone, sure, missing));
 }
 
 }  // namespace

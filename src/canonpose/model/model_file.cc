@@ -1,10 +1,9 @@
 #include "canonpose/model/model_file.h"
 
-#include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/data/skeleton_file.h"
@@ -45,20 +44,23 @@ h5::File OpenModel(const fs::path& path) {
 
 /// The first version whose readers would not take the model for another.
 int VersionOf(const ModelInfo& info) {
-  if (info.network != "canonical" || info.input.confidences != "on" || info.morph != nullptr) return 3;
-  return info.rotation != "axis_angle" || info.input.ray != "off" ? 2 : 1;
+  const bool sees_confidences = info.input.confidences == ConfidenceInput::kAll;
+  if (info.network != NetworkKind::kCanonical || !sees_confidences || info.morph != nullptr) return 3;
+  return info.rotation != RotationForm::kAxisAngle || info.input.ray != RayForm::kOff ? 2 : 1;
 }
 
-/// One of the words allowed; the first where the attribute is not there, as in files of version 1.
-std::string ReadWord(const h5::Group& root, const char* name, const std::vector<std::string>& allowed) {
-  if (!root.HasAttribute(name)) return allowed.front();
+/// Leaves `value` at its default where the attribute is missing, as in files of version 1.
+template <NamedEnum Enum>
+void ReadEnum(const h5::Group& root, const char* name, Enum& value) {
+  if (!root.HasAttribute(name)) return;
   const std::string word = root.GetString(name);
-  if (std::find(allowed.begin(), allowed.end(), word) == allowed.end()) {
-    root.Fail(fmt::format("attribute {}", name), fmt::format("one of {}", fmt::join(allowed, ", ")),
+  const std::optional<Enum> parsed = ParseEnum<Enum>(word);
+  if (!parsed) {
+    root.Fail(fmt::format("attribute {}", name), fmt::format("one of {}", JoinEnumNames<Enum>()),
               fmt::format("\"{}\"", word),
               "it was made by another version of this program: use that one or train again");
   }
-  return word;
+  value = *parsed;
 }
 
 }  // namespace
@@ -75,13 +77,13 @@ void WriteModelInfo(h5::Group& root, const ModelInfo& info) {
   root.SetDouble("mirror_slope_error", info.mirror.slope_error);
   root.SetDouble("perspective", info.perspective);
   if (VersionOf(info) >= 2) {
-    root.SetString("rotation", info.rotation);
-    root.SetString("ray", info.input.ray);
-    root.SetString("focal", info.input.focal);
+    root.SetString("rotation", ToString(info.rotation));
+    root.SetString("ray", ToString(info.input.ray));
+    root.SetString("focal", ToString(info.input.focal));
   }
   if (VersionOf(info) >= 3) {
-    root.SetString("network", info.network);
-    root.SetString("confidences", info.input.confidences);
+    root.SetString("network", ToString(info.network));
+    root.SetString("confidences", ToString(info.input.confidences));
   }
   if (!info.trap.verdict.empty()) {
     root.SetString("trap_verdict", info.trap.verdict);
@@ -115,11 +117,11 @@ ModelInfo ReadModelInfo(const h5::Group& root) {
               "the file is damaged: train again");
   }
   info.width = static_cast<int>(width);
-  info.network = ReadWord(root, "network", {"canonical", "martinez", kMorphNetwork});
-  info.rotation = ReadWord(root, "rotation", {"axis_angle", "6d"});
-  info.input.ray = ReadWord(root, "ray", {"off", "root"});
-  info.input.focal = ReadWord(root, "focal", {"guess", "known"});
-  info.input.confidences = ReadWord(root, "confidences", {"on", "missing", "off"});
+  ReadEnum(root, "network", info.network);
+  ReadEnum(root, "rotation", info.rotation);
+  ReadEnum(root, "ray", info.input.ray);
+  ReadEnum(root, "focal", info.input.focal);
+  ReadEnum(root, "confidences", info.input.confidences);
   info.preset = root.GetString("preset");
   info.options = root.GetString("options");
   info.seed = static_cast<std::uint64_t>(root.GetInt("seed"));

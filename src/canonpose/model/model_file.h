@@ -23,6 +23,7 @@
 
 #include "canonpose/base/hdf5.h"
 #include "canonpose/data/dataset.h"
+#include "canonpose/model/model_form.h"
 #include "canonpose/skeleton/skeleton.h"
 
 namespace canonpose {
@@ -37,14 +38,6 @@ struct MirrorDecision {
   double slope_error = 0.0;            ///< its standard error over clips
 };
 
-/// How a view's 2D pose is made the network's input (model/pose_input.h).
-struct InputForm {
-  std::string ray = "off";  ///< off; root: the root's viewing ray is turned onto the optical axis
-  std::string focal =
-      "guess";  ///< for that, guess: from the image size; known: solved or calibrated where there is one
-  std::string confidences = "on";  ///< what the network sees of confidences, see ParseConfidenceInput()
-};
-
 /// Whether training without labels has settled in a solution that is none (train/trap.h).
 struct TrapFinding {
   std::string verdict;       ///< "right", "suspicious", "trapped"; empty where nobody looked, as in older files
@@ -55,16 +48,13 @@ struct TrapFinding {
 
 struct ModelFile;
 
-/// What ModelInfo::network says of a morphing network (model/morph.h).
-inline constexpr const char* kMorphNetwork = "morph";
-
 struct ModelInfo {
   std::string program_version;
   Skeleton skeleton;
   DatasetSource source;
-  std::string network = "canonical";  ///< canonical: model/lifter.h; martinez: model/martinez_lifter.h; kMorphNetwork
+  NetworkKind network = NetworkKind::kCanonical;
   int width = 0;
-  std::string rotation = "axis_angle";  ///< form of the rotation branch, see ParseRotationForm()
+  RotationForm rotation = RotationForm::kAxisAngle;
   InputForm input;
   std::string preset;
   std::string options;  ///< JSON of every training option

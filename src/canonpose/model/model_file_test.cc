@@ -66,18 +66,18 @@ TEST(ModelFile, RotationAndInputFormAreKeptAndOlderFilesHaveNone) {
   ModelFile model = Example();
   WriteModelFile(folder / "plain.cpm", model);
   const ModelInfo plain = ReadModelInfo(folder / "plain.cpm");
-  EXPECT_EQ(plain.rotation, "axis_angle");
-  EXPECT_EQ(plain.input.ray, "off");
-  model.info.rotation = "6d";
-  model.info.input = {"root", "known"};
+  EXPECT_EQ(plain.rotation, RotationForm::kAxisAngle);
+  EXPECT_EQ(plain.input.ray, RayForm::kOff);
+  model.info.rotation = RotationForm::kSix;
+  model.info.input = {RayForm::kRoot, FocalSource::kKnown};
   Lifter lifter(17, 16, RotationForm::kSix);
   lifter->Initialise(1);
   model.parameters = ParametersOf(*lifter);
   WriteModelFile(folder / "turned.cpm", model);
   const ModelFile read = ReadModelFile(folder / "turned.cpm");
-  EXPECT_EQ(read.info.rotation, "6d");
-  EXPECT_EQ(read.info.input.ray, "root");
-  EXPECT_EQ(read.info.input.focal, "known");
+  EXPECT_EQ(read.info.rotation, RotationForm::kSix);
+  EXPECT_EQ(read.info.input.ray, RayForm::kRoot);
+  EXPECT_EQ(read.info.input.focal, FocalSource::kKnown);
   EXPECT_EQ(MakeLifter(read, "turned.cpm", torch::kCPU)->named_parameters()["enc_rot.bias"].size(0), 6);
   // A program that knows version 1 alone must not take either for the other.
   h5::File plain_file = h5::File::OpenForReading(folder / "plain.cpm");
@@ -85,8 +85,13 @@ TEST(ModelFile, RotationAndInputFormAreKeptAndOlderFilesHaveNone) {
   EXPECT_EQ(plain_file.root().GetInt("version"), 1);
   EXPECT_FALSE(plain_file.root().HasAttribute("ray"));
   EXPECT_EQ(turned_file.root().GetInt("version"), 2);
-  model.info.input.ray = "sideways";
-  WriteModelFile(folder / "odd.cpm", model);
+  h5::File odd = h5::File::CreateAt(folder / "odd.cpm");
+  odd.root().SetString("format", "canonpose-model");
+  odd.root().SetInt("version", 2);
+  odd.root().SetString("program_version", "1.2.3");
+  odd.root().SetInt("width", 16);
+  odd.root().SetString("ray", "sideways");
+  odd.Commit();
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadModelFile(folder / "odd.cpm"); }),
               AllOf(HasSubstr("attribute ray"), HasSubstr("off, root"), HasSubstr("sideways")));
 }

@@ -5,8 +5,8 @@
 namespace canonpose {
 
 PoseInput::PoseInput(const InputForm& form, const Skeleton& skeleton)
-    : turns_(form.ray == "root"),
-      uses_known_(form.focal == "known"),
+    : turns_(form.ray == RayForm::kRoot),
+      uses_known_(form.focal == FocalSource::kKnown),
       joint_count_(skeleton.joint_count()),
       root_(skeleton.root) {}
 

@@ -29,7 +29,7 @@ CameraView Wanderer(int frames, int joints) {
 TEST(PoseInput, OffIsPlainNormalisation) {
   const Skeleton& skeleton = *FindSkeleton("h36m-17");
   const CameraView view = Wanderer(3, 17);
-  const PoseInput input({"off", "known"}, skeleton);
+  const PoseInput input({RayForm::kOff, FocalSource::kKnown}, skeleton);
   NormalisedPose pose;
   NormalisedPose plain;
   Eigen::Matrix3d turned_from_camera;
@@ -46,8 +46,8 @@ TEST(PoseInput, TheTurnTakesTheRootsRayToTheAxisWithTheCameraThatIsToBeUsed) {
   calibrated.K << 1100, 0, 900, 0, 1110, 600, 0, 0, 1;
   Camera solved;
   solved.K << 1200, 0, 960, 0, 1200, 540, 0, 0, 1;
-  const auto expect_turn = [&](const char* focal, const Eigen::Matrix3d& K) {
-    const PoseInput input({"root", focal}, skeleton);
+  const auto expect_turn = [&](FocalSource focal, const Eigen::Matrix3d& K) {
+    const PoseInput input({RayForm::kRoot, focal}, skeleton);
     NormalisedPose pose;
     Eigen::Matrix3d turned_from_camera;
     ASSERT_TRUE(input.Normalise(view, 1, pose, turned_from_camera));
@@ -60,17 +60,17 @@ TEST(PoseInput, TheTurnTakesTheRootsRayToTheAxisWithTheCameraThatIsToBeUsed) {
   const double diagonal = std::hypot(1920.0, 1080.0);
   Eigen::Matrix3d guess;
   guess << diagonal, 0, 960, 0, diagonal, 540, 0, 0, 1;
-  expect_turn("known", guess);
+  expect_turn(FocalSource::kKnown, guess);
   view.calibration = {calibrated};
-  expect_turn("known", calibrated.K);
+  expect_turn(FocalSource::kKnown, calibrated.K);
   view.solved_calibration = {solved, solved, solved};
-  expect_turn("known", solved.K);
-  expect_turn("guess", guess);
-  const PoseInput input({"root", "guess"}, skeleton);
+  expect_turn(FocalSource::kKnown, solved.K);
+  expect_turn(FocalSource::kGuess, guess);
+  const PoseInput input({RayForm::kRoot, FocalSource::kGuess}, skeleton);
   EXPECT_FALSE(input.LacksCamera(view));
   view.image_size = {0, 0};
   EXPECT_TRUE(input.LacksCamera(view));
-  EXPECT_FALSE(PoseInput({"off", "guess"}, skeleton).LacksCamera(view));
+  EXPECT_FALSE(PoseInput({RayForm::kOff, FocalSource::kGuess}, skeleton).LacksCamera(view));
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ PoseMorph PoseMorph::Open(const std::filesystem::path& run_or_model, const std::
 
 PoseMorph PoseMorph::Of(std::shared_ptr<const ModelFile> model, const std::string& file, const std::string& device) {
   RequireDevice(device);
-  if (model->info.network != kMorphNetwork) {
+  if (model->info.network != NetworkKind::kMorph) {
     ThrowBadInput({file, "", "a model made by `canonpose train-morph`", "a lifter",
                    "train a morphing network, or leave `morph` out"});
   }

@@ -33,7 +33,7 @@ ModelFile MovesOneJoint(float right, float down) {
   network->Initialise(1);
   ModelFile model;
   model.info.skeleton = ThreeJoints();
-  model.info.network = kMorphNetwork;
+  model.info.network = NetworkKind::kMorph;
   model.info.width = 4;
   model.parameters = ParametersOf(*network);
   model.parameters.at("offset.bias").values = {0, right, 0, 0, down, 0};
@@ -109,7 +109,7 @@ TEST(PoseMorph, IsKeptInTheFileOfALifter) {
 TEST(PoseMorph, RefusesLiftersAndOtherJoints) {
   const TemporaryFolder folder;
   ModelFile lifter = MovesOneJoint(0.0F, 0.0F);
-  lifter.info.network = "canonical";
+  lifter.info.network = NetworkKind::kCanonical;
   EXPECT_THAT(
       ErrorOf(ErrorKind::kBadInput, [&] { PoseMorph::Of(std::make_shared<const ModelFile>(lifter), "lifter.cpm"); }),
       HasSubstr("train-morph"));

@@ -65,14 +65,13 @@ void LoadParameters(torch::nn::Module& network, const NamedArrays& parameters, c
 
 std::shared_ptr<LiftingNetwork> MakeNetwork(const ModelInfo& info) {
   const int joints = info.skeleton.joint_count();
-  if (info.network == "martinez") return MartinezLifter(joints, info.width).ptr();
-  CANONPOSE_CHECK(info.network == "canonical", "{} is no lifter", info.network);
-  return Lifter(joints, info.width, ParseRotationForm(info.rotation), ParseConfidenceInput(info.input.confidences))
-      .ptr();
+  if (info.network == NetworkKind::kMartinez) return MartinezLifter(joints, info.width).ptr();
+  CANONPOSE_CHECK(info.network == NetworkKind::kCanonical, "{} is not a lifter", ToString(info.network));
+  return Lifter(joints, info.width, info.rotation, info.input.confidences).ptr();
 }
 
 std::shared_ptr<LiftingNetwork> MakeLifter(const ModelFile& model, const std::string& file, torch::Device device) {
-  if (model.info.network == kMorphNetwork) {
+  if (model.info.network == NetworkKind::kMorph) {
     ThrowBadInput({file, "", "a lifter", "a network that morphs 2D poses", "give it as `morph`, and a lifter here"});
   }
   std::shared_ptr<LiftingNetwork> network = MakeNetwork(model.info);

@@ -53,8 +53,8 @@ void DropJoints(const Skeleton& skeleton, Rng& rng, const TrainingRow& row) {
 InputForm InputFormOf(const TrainOptions& options) { return {options.ray, options.focal, options.input_confidences}; }
 
 RowForm RowFormOf(const TrainOptions& options) {
-  const TrainingTarget target = ParseTrainingTarget(options.supervision);
-  const bool weights = target == TrainingTarget::kSolved && options.uncertainty_weights == "on";
+  const TrainingTarget target = TargetOf(options.supervision);
+  const bool weights = target == TrainingTarget::kSolved && options.uncertainty_weights;
   return {target, InputFormOf(options), weights};
 }
 

@@ -60,7 +60,7 @@ EpochOrder WindowedOrder(const TrainingSet& set, double window_seconds, int run_
 }
 
 double WindowLeft(const TrainOptions& options, const Schedule& schedule, std::int64_t step) {
-  if (options.camera_consistency != "window") return 0.0;
+  if (options.camera_consistency != CameraConsistency::kWindow) return 0.0;
   const double end = options.camera_window_end * static_cast<double>(schedule.steps());
   return std::max(0.0, 1.0 - static_cast<double>(step) / end);
 }

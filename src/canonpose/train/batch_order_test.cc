@@ -99,7 +99,7 @@ TEST(WindowLeft, FallsLinearlyToZeroAndIsZeroWithoutWindows) {
   TrainOptions options;
   const Schedule schedule{10, 100};
   EXPECT_EQ(WindowLeft(options, schedule, 0), 0.0);
-  options.camera_consistency = "window";
+  options.camera_consistency = CameraConsistency::kWindow;
   options.camera_window_end = 0.5;
   EXPECT_EQ(WindowLeft(options, schedule, 0), 1.0);
   EXPECT_NEAR(WindowLeft(options, schedule, 125), 0.75, 1e-12);
@@ -111,12 +111,12 @@ TEST(Batches, DependOnSeedAndStepAlone) {
   const TrainingSet set = Set({50, 30});
   TrainOptions options;
   options.batch_frames = 16;
-  for (const char* consistency : {"off", "window"}) {
+  for (const CameraConsistency consistency : {CameraConsistency::kOff, CameraConsistency::kWindow}) {
     options.camera_consistency = consistency;
     const Schedule schedule{4, 5};
     Batches batches(set, options, schedule);
     const Batch wanted = batches.At(7, 1);
-    EXPECT_EQ(wanted.windows.size(), options.camera_consistency == "window" ? 16U : 0U);
+    EXPECT_EQ(wanted.windows.size(), consistency == CameraConsistency::kWindow ? 16U : 0U);
     EXPECT_NE(batches.At(7, 2).frames, wanted.frames);
     EXPECT_NE(batches.At(12, 1).frames, wanted.frames);
     EXPECT_EQ(batches.At(7, 1).frames, wanted.frames);

@@ -38,14 +38,14 @@ bool AnyView(const TrainJob& job, Predicate predicate) {
 }
 
 void RequireTarget(const TrainJob& job) {
-  const TrainingTarget target = ParseTrainingTarget(job.options.supervision);
+  const TrainingTarget target = TargetOf(job.options.supervision);
   if (target == TrainingTarget::kViews) return;
   const bool is_solved = target == TrainingTarget::kSolved;
   const std::string files = fmt::format("{}", fmt::join(job.data_files, ", "));
   const bool has_target = std::any_of(job.datasets.begin(), job.datasets.end(), [&](const Dataset& data) {
     return is_solved ? data.HasSolved() : data.HasTruth();
   });
-  if (!has_target && job.options.supervision == "triangulated") {
+  if (!has_target && job.options.supervision == Supervision::kTriangulated) {
     ThrowBadInput({files, "", "frames that two calibrated cameras see, which supervision=triangulated learns from",
                    "none", "import the data with `calibration`, or train with another preset"});
   }
@@ -70,8 +70,8 @@ void RequireTarget(const TrainJob& job) {
 
 std::string FingerprintOf(const Dataset& dataset, const TrainOptions& options) {
   std::string text = fmt::format("{:016x}", dataset.Fingerprint());
-  const TrainingTarget target = ParseTrainingTarget(options.supervision);
-  const bool sees_known_cameras = options.ray != "off" && options.focal == "known";
+  const TrainingTarget target = TargetOf(options.supervision);
+  const bool sees_known_cameras = options.ray != RayForm::kOff && options.focal == FocalSource::kKnown;
   if (target == TrainingTarget::kViews && !sees_known_cameras) return text;
   Fingerprint fingerprint;
   for (const Sequence& sequence : dataset.sequences) {

@@ -27,7 +27,7 @@ TEST(Distillation, WhatSolveFoundIsLearntAsTruthIs) {
   Train(truth);
   TrainJob solved = truth;
   solved.run_folder = folder / "solved";
-  solved.options.supervision = "solved";
+  solved.options.supervision = Supervision::kSolved;
   for (CameraView& view : solved.datasets[0].sequences[0].cameras) {
     view.solved = view.truth;  // in another unit
     for (float& value : view.solved) value *= 0.25F;

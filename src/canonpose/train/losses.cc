@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <map>
 
-#include "canonpose/base/error.h"
-
 namespace canonpose {
 namespace {
 
@@ -254,12 +252,6 @@ torch::Tensor CameraLoss(const LifterOutput& output, const torch::Tensor& own, c
 }
 
 }  // namespace
-
-Consistency ParseConsistency(const std::string& name) {
-  CANONPOSE_CHECK(name == "mixing" || name == "equal_poses" || name == "equal_cameras", "{}", name);
-  if (name == "equal_poses") return Consistency::kEqualPoses;
-  return name == "equal_cameras" ? Consistency::kEqualCameras : Consistency::kMixing;
-}
 
 void WeighSeenJointsAlike(BatchTensors& batch) {
   batch.confidence = (batch.confidence > 0).to(batch.confidence.scalar_type());

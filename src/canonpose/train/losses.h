@@ -19,6 +19,7 @@
 
 #include "canonpose/base/random.h"
 #include "canonpose/model/lifter.h"
+#include "canonpose/train/options.h"
 #include "canonpose/train/training_set.h"
 
 namespace canonpose {
@@ -76,16 +77,6 @@ struct LossWeights {
   double view = 1.0;
   double camera = 0.1;
 };
-
-/// How what belongs together is made to agree.
-enum class Consistency {
-  kMixing,      ///< the method: each is tried in the other's place
-  kEqualPoses,  ///< instead of view mixing: mean |X_s - X_t| over the joints and axes of two canonical poses of a frame
-  kEqualCameras  ///< instead of camera mixing: mean |R_t R_s^T - R[to] R[from]^T| over the elements
-};
-
-/// Of "mixing", "equal_poses" or "equal_cameras".
-Consistency ParseConsistency(const std::string& name);
 
 /// The losses and their weighted sum; scalars. `camera` is 0 without camera pairs. With supervision there is `total`
 /// alone.

@@ -121,13 +121,14 @@ PerspectiveSlope MeasurePerspectiveSlope(LiftingNetwork& lifter, const TrainingS
   return CombineSlopes(slopes);
 }
 
-bool UpdateMirrorDecision(const PerspectiveSlope& slope, const std::string& wish, MirrorDecision& decision) {
+bool UpdateMirrorDecision(const PerspectiveSlope& slope, MirrorHandling handling, MirrorDecision& decision) {
   const bool decided_before = decision.decision != "undecided";
-  if (wish != "auto") {
+  if (handling != MirrorHandling::kAuto) {
     if (decided_before) return false;
-    decision = {wish == "flip" ? "flipped by request" : "kept by request", slope.slope, slope.standard_error};
+    decision = {handling == MirrorHandling::kFlip ? "flipped by request" : "kept by request", slope.slope,
+                slope.standard_error};
     LogInfo("mirror: {}; perspective {}", decision.decision, slope.Describe());
-    return wish == "flip";
+    return handling == MirrorHandling::kFlip;
   }
   if (!slope.is_sure() && decided_before) {
     LogInfo("mirror: {} at the warm-up, which stands ({} now tells too little)", decision.decision, slope.Describe());

@@ -13,6 +13,7 @@
 
 #include "canonpose/model/lifter.h"
 #include "canonpose/model/model_file.h"
+#include "canonpose/train/options.h"
 #include "canonpose/train/training_set.h"
 
 namespace canonpose {
@@ -55,8 +56,8 @@ PerspectiveSlope CombineSlopes(const std::vector<double>& slopes);
 PerspectiveSlope MeasurePerspectiveSlope(LiftingNetwork& lifter, const TrainingSet& set, int root,
                                          torch::Device device);
 
-/// Takes up what a slope says, and tells the user. `wish` is TrainOptions::mirror; a decision that was made before
-/// stands unless the slope is sure. Returns whether the network is to be turned round now.
-bool UpdateMirrorDecision(const PerspectiveSlope& slope, const std::string& wish, MirrorDecision& decision);
+/// Takes up what a slope says, and tells the user. A decision that was made before
+/// stands unless the slope is sure. Returns whether the network is to be mirrored now.
+bool UpdateMirrorDecision(const PerspectiveSlope& slope, MirrorHandling handling, MirrorDecision& decision);
 
 }  // namespace canonpose

@@ -94,7 +94,7 @@ MorphRun::MorphRun(const MorphJob& job)
   info_.program_version = ProgramVersion();
   info_.skeleton = job.skeleton;
   info_.source = job.source;
-  info_.network = kMorphNetwork;
+  info_.network = NetworkKind::kMorph;
   info_.width = job.options.width;
   info_.preset = "morph";
   info_.options = job.options.ToJson();
@@ -214,25 +214,6 @@ MorphReport MorphRun::Finish() {
 }
 
 }  // namespace
-
-void MorphOptions::Validate() const {
-  const auto require = [](bool ok, const char* name, const char* expected, double found) {
-    if (!ok) ThrowInvalidArgument("{}: expected {}, found {}", name, expected, found);
-  };
-  require(epochs >= 1, "`epochs`", "1 or more", epochs);
-  require(width >= 1 && width <= 65536, "`width`", "1 to 65536", width);
-  require(batch_poses >= 1, "`batch_poses`", "1 or more", batch_poses);
-  require(learning_rate > 0.0, "`learning_rate`", "more than 0", learning_rate);
-  require(validation >= 0.0 && validation <= 0.5, "`validation`", "0 to 0.5", validation);
-  require(threads >= 0, "`threads`", "0 or more", threads);
-}
-
-std::string MorphOptions::ToJson() const {
-  const Json json = {{"epochs", epochs},           {"width", width},
-                     {"batch_poses", batch_poses}, {"learning_rate", learning_rate},
-                     {"validation", validation},   {"seed", seed}};
-  return json.dump();
-}
 
 MorphReport TrainMorph(const MorphJob& job) {
   job.options.Validate();

@@ -7,26 +7,10 @@
 #include <vector>
 
 #include "canonpose/model/model_file.h"
+#include "canonpose/train/morph_options.h"
 #include "canonpose/train/morph_pairs.h"
 
 namespace canonpose {
-
-struct MorphOptions {
-  int epochs = 20;
-  int width = 256;
-  int batch_poses = 128;
-  double learning_rate = 1e-3;  ///< at the start; half a cosine leads it down to 0
-  double validation = 0.1;      ///< share of the poses, the last, that is held out
-  std::uint64_t seed = 0;
-  int threads = 0;  ///< 0: as many as LibTorch chooses
-  std::string device = "cpu";
-  double checkpoint_seconds = 30.0;
-
-  /// Throws Error(kInvalidArgument) naming the first option that is out of range.
-  void Validate() const;
-  /// Those that change the result.
-  [[nodiscard]] std::string ToJson() const;
-};
 
 /// What is trained on, and where the result goes: RUN/model.cpm, checkpoint.h5 and metrics.jsonl as for a lifter.
 struct MorphJob {

@@ -30,7 +30,7 @@ double SizeInImage(const std::vector<Eigen::Vector2d>& pixels, int root) {
   return std::sqrt(squares / std::max(1, known));
 }
 
-/// The vertical of a frame in a view's camera; the camera's own y axis where the cameras do not tell.
+/// Down in a view's camera at a frame; the camera's own y axis where the cameras do not determine it.
 Eigen::Vector3d DownInCamera(const Sequence& sequence, const CameraView& view, int t, TrainingTarget target) {
   const auto rotation_of = [&](const CameraView& one) {
     const std::vector<Camera>& cameras = TargetCameras(one, target);
@@ -46,9 +46,8 @@ Eigen::Vector3d DownInCamera(const Sequence& sequence, const CameraView& view, i
   return down ? Eigen::Vector3d(rotation_of(view) * *down) : Eigen::Vector3d::UnitY();
 }
 
-/// A joint that was solved from V views has taken up a part of their errors: about two of its three coordinates are
-/// free, bones and smooth motion holding the rest, so that what remains of the 2V errors is smaller by sqrt(1 - 2 /
-/// 2V).
+/// A joint solved from V views has absorbed a part of their errors: about two of its three coordinates are free (bone
+/// lengths and smooth motion fix the rest), so that the 2V residuals are smaller than the errors by sqrt(1 - 2 / (2V)).
 double ErrorFactor(const Sequence& sequence, std::size_t value) {
   const auto views = std::count_if(sequence.cameras.begin(), sequence.cameras.end(), [&](const CameraView& view) {
     return !view.solved.empty() && std::isfinite(view.solved[3 * value]) && view.confidence[value] > 0.0F;
@@ -76,7 +75,7 @@ NewViews::NewViews(const std::vector<Dataset>& datasets, const TrainingSet& set,
     : set_(set),
       joints_(set.joint_count),
       root_(datasets.front().skeleton.root),
-      turns_(form.input.ray != "off"),
+      turns_(form.input.ray != RayForm::kOff),
       down_(static_cast<std::size_t>(set.row_count()), Eigen::Vector3d::UnitY()),
       lens_of_(static_cast<std::size_t>(set.row_count()), -1) {
   const auto values = static_cast<std::size_t>(set.row_count()) * static_cast<std::size_t>(joints_);
@@ -114,7 +113,7 @@ void NewViews::AddRow(const std::vector<Dataset>& datasets, const RowForm& form,
     }
   }
   down_[static_cast<std::size_t>(row)] = DownInCamera(sequence, view, source.frame, form.target);
-  // A camera that stands still has one lens for all its rows.
+  // A static camera has one lens for all its rows.
   const bool is_new = lenses_.empty() || cameras.size() > 1 || lenses_.back().camera.K != lens.camera.K ||
                       lenses_.back().camera.distortion != lens.camera.distortion ||
                       lenses_.back().turned.focal_px != lens.turned.focal_px ||

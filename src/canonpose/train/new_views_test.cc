@@ -65,13 +65,17 @@ Dataset Filmed(double noise) {
   return dataset;
 }
 
-RowForm Form(const char* ray, const char* focal = "known") { return {TrainingTarget::kTruth, {ray, focal}, false}; }
+RowForm Form(RayForm ray, FocalSource focal = FocalSource::kKnown) {
+  return {TrainingTarget::kTruth, {ray, focal}, false};
+}
 
 /// A row's copy in a batch.
 struct Copy {
   explicit Copy(const TrainingSet& set, int row) {
-    keypoints.assign(set.keypoints.begin() + 2L * kFilmedJoints * row, set.keypoints.begin() + 2L * kFilmedJoints * (row + 1));
-    confidence.assign(set.confidence.begin() + 1L * kFilmedJoints * row, set.confidence.begin() + 1L * kFilmedJoints * (row + 1));
+    keypoints.assign(set.keypoints.begin() + 2L * kFilmedJoints * row,
+                     set.keypoints.begin() + 2L * kFilmedJoints * (row + 1));
+    confidence.assign(set.confidence.begin() + 1L * kFilmedJoints * row,
+                      set.confidence.begin() + 1L * kFilmedJoints * (row + 1));
     target.assign(set.target.begin() + 3L * kFilmedJoints * row, set.target.begin() + 3L * kFilmedJoints * (row + 1));
   }
   TrainingRow row() { return {keypoints.data(), confidence.data(), target.data(), nullptr}; }
@@ -96,7 +100,7 @@ TEST(EstimateDown, IsTheVerticalOfLevelCamerasAndUnknownForParallelOnes) {
 }
 
 TEST(NewViews, ThePoseFromItsOwnPlaceIsTheRowItself) {
-  for (const RowForm& form : {Form("off"), Form("root"), Form("root", "guess")}) {
+  for (const RowForm& form : {Form(RayForm::kOff), Form(RayForm::kRoot), Form(RayForm::kRoot, FocalSource::kGuess)}) {
     const Dataset dataset = Filmed(0.05);
     const TrainingSplit split = MakeTrainingSplit({dataset}, 0.0, form);
     const NewViews views({dataset}, split.training, form);
@@ -133,7 +137,7 @@ TEST(NewViews, WithoutDetectorErrorsTheNewKeypointsAreTheProjectionOfTheNewPose)
   Dataset dataset = Filmed(0.0);
   for (CameraView& view : dataset.sequences[0].cameras)
     view.confidence[kFilmedJoints * 2 + 3] = 0.0F;  // frame 2 lacks a joint
-  const RowForm form = Form("root");
+  const RowForm form = Form(RayForm::kRoot);
   const TrainingSplit split = MakeTrainingSplit({dataset}, 0.0, form);
   // The lens is known, but the input's turn takes no account of distortion.
   for (CameraView& view : dataset.sequences[0].cameras) {

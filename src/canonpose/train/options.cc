@@ -1,269 +1,265 @@
 #include "canonpose/train/options.h"
 
-#include <charconv>
-#include <type_traits>
+#include <algorithm>
+#include <tuple>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/train/option_table.h"
 
 namespace canonpose {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using O = TrainOptions;
 
-/// Calls visit(name, field, changes_result) for every field, in order.
-template <typename Options, typename Visit>
-void VisitFields(Options& o, Visit&& visit) {
-  visit("preset", o.preset, true);
-  visit("epochs", o.epochs, true);
-  visit("default_epochs", o.default_epochs, true);
-  visit("min_steps", o.min_steps, true);
-  visit("network", o.network, true);
-  visit("width", o.width, true);
-  visit("batch_frames", o.batch_frames, true);
-  visit("learning_rate", o.learning_rate, true);
-  visit("weight_decay", o.weight_decay, true);
-  visit("schedule", o.schedule, true);
-  visit("supervision", o.supervision, true);
-  visit("bootstrap", o.bootstrap, true);
-  visit("input_confidences", o.input_confidences, true);
-  visit("loss_confidences", o.loss_confidences, true);
-  visit("consistency", o.consistency, true);
-  visit("ray", o.ray, true);
-  visit("focal", o.focal, true);
-  visit("rotation", o.rotation, true);
-  visit("new_views", o.new_views, true);
-  visit("flips", o.flips, true);
-  visit("joint_dropout", o.joint_dropout, true);
-  visit("uncertainty_weights", o.uncertainty_weights, true);
-  visit("view_weight", o.view_weight, true);
-  visit("camera_weight", o.camera_weight, true);
-  visit("camera_consistency", o.camera_consistency, true);
-  visit("camera_window_seconds", o.camera_window_seconds, true);
-  visit("camera_window_end", o.camera_window_end, true);
-  visit("rotation_spread", o.rotation_spread, true);
-  visit("restarts", o.restarts, true);
-  visit("restart_steps", o.restart_steps, true);
-  visit("perspective", o.perspective, true);
-  visit("perspective_warmup", o.perspective_warmup, true);
-  visit("perspective_learning_rate", o.perspective_learning_rate, true);
-  visit("mirror", o.mirror, true);
-  visit("validation", o.validation, true);
-  visit("seed", o.seed, true);
-  visit("threads", o.threads, false);
-  visit("device", o.device, false);
-  visit("checkpoint_seconds", o.checkpoint_seconds, false);
-}
+constexpr std::tuple kTable{
+    Text("preset", &O::preset, "the name of a preset", "Where the options came from, for the record"),
+    Number("epochs", &O::epochs, Range::AtLeast(0),
+           "Passes through the data. 0: `default_epochs`, or more until `min_steps` steps are taken"),
+    Number("default_epochs", &O::default_epochs, Range::AtLeast(1), "Passes through the data where `epochs` is 0"),
+    Number("min_steps", &O::min_steps, Range::AtLeast(0),
+           "A small recording is passed through more often until this many steps are taken"),
+    Choice("network", &O::network, "The lifter's layers"),
+    Number("width", &O::width, Range::Between(1, 65536), "Width of the network's layers"),
+    Number("batch_frames", &O::batch_frames, Range::AtLeast(1), "Frames per step, each with all its views"),
+    Number("learning_rate", &O::learning_rate, Range::MoreThan(0), "Learning rate at the start"),
+    Number("weight_decay", &O::weight_decay, Range::AtLeast(0), "L2 penalty, added to the gradient"),
+    Choice("schedule", &O::schedule, "How the learning rate falls"),
+    Choice("supervision", &O::supervision, "What is learned from"),
+    Choice("bootstrap", &O::bootstrap,
+           "With `supervision=solved`: what data that are not solved yet are solved from before training"),
+    Choice("input_confidences", &O::input_confidences, "What the network sees of the detector's confidences"),
+    Choice("loss_confidences", &O::loss_confidences,
+           "Whether the losses weigh joints by their confidence, as published, or all joints that are seen alike"),
+    Choice("consistency", &O::consistency, "How views, and frames of static cameras, are made to agree"),
+    Choice("ray", &O::ray, "The pose that the network sees"),
+    Choice("focal", &O::focal, "With `ray=root`: where the camera's intrinsics come from"),
+    Choice("rotation", &O::rotation, "Form of the network's rotations"),
+    Number("new_views", &O::new_views, Range::Between(0, 1),
+           "Share of poses that are seen from a new, simulated camera; needs `supervision`"),
+    Number("flips", &O::flips, Range::Between(0, 1),
+           "Probability that left and right of a pose are exchanged; needs `supervision`"),
+    Number("joint_dropout", &O::joint_dropout, Range::Between(0, 1),
+           "Probability that one to four joints of a pose are hidden; needs `supervision`"),
+    Choice("uncertainty_weights", &O::uncertainty_weights,
+           "With `supervision=solved`: whether a joint of uncertainty s, relative to the size of its pose, counts "
+           "1 / (1 + (s / median s)^2)"),
+    Number("view_weight", &O::view_weight, Range::AtLeast(0), "Weight of view consistency"),
+    Number("camera_weight", &O::camera_weight, Range::AtLeast(0), "Weight of camera consistency"),
+    Choice("camera_consistency", &O::camera_consistency, "Which frames share the relative rotations of their cameras"),
+    Number("camera_window_seconds", &O::camera_window_seconds, Range::MoreThan(0),
+           "With `camera_consistency=window`: length of the window at the start, seconds"),
+    Number("camera_window_end", &O::camera_window_end, {0.0, 1.0, /*excludes_min=*/true},
+           "With `camera_consistency=window`: share of the steps after which the window's length and weight are zero"),
+    Number("rotation_spread", &O::rotation_spread, Range::MoreThan(0),
+           "Factor of the rotation layer's initial weights"),
+    Number("restarts", &O::restarts, Range::Between(1, 1000),
+           "Short runs from different seeds; training continues from the best of them"),
+    Number("restart_steps", &O::restart_steps, Range::AtLeast(1),
+           "Length of a short run. After 500 steps a run that will end in the trap still has the smaller loss "
+           "(docs/results.md)"),
+    Choice("perspective", &O::perspective, "The projection in the losses"),
+    Number("perspective_warmup", &O::perspective_warmup, Range::Between(0, 1),
+           "Share of the steps before k is learned; it is 0 until then"),
+    Number("perspective_learning_rate", &O::perspective_learning_rate, Range::MoreThan(0), "Learning rate of k"),
+    Choice("mirror", &O::mirror, "Which of the two mirror images to keep"),
+    Number("validation", &O::validation, Range::Between(0, 0.5),
+           "Share of the frames that is held out, at the end of every 50"),
+    Number("seed", &O::seed, Range::AtLeast(0), "Seed of all randomness"),
+    NotInResults(Number("threads", &O::threads, Range::AtLeast(0),
+                        "Threads; more than one helps wide networks on an idle machine. 0: one to train, all cores to "
+                        "solve")),
+    NotInResults(Text("device", &O::device, "cpu, cuda", "Where networks are computed")),
+    NotInResults(
+        Number("checkpoint_seconds", &O::checkpoint_seconds, Range::AtLeast(0), "Time between checkpoints, seconds"))};
+static_assert(CoversAllFields<TrainOptions>(kTable));
 
-template <typename Field>
-void ParseField(const std::string& name, const std::string& text, Field& field) {
-  if constexpr (std::is_same_v<Field, std::string>) {
-    field = text;
-  } else {
-    Field value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) {
-      ThrowInvalidArgument("`{}`: expected a {}, found \"{}\"", name,
-                           std::is_integral_v<Field> ? "whole number" : "number", text);
-    }
-    field = value;
+void ValidateViews(const TrainOptions& options) {
+  if (options.network != LifterKind::kCanonical) {
+    ThrowInvalidArgument("`network={}` outputs no rotation that views could share: it needs `supervision`",
+                         ToString(options.network));
+  }
+  if (options.consistency == Consistency::kEqualCameras && options.camera_consistency == CameraConsistency::kOff) {
+    ThrowInvalidArgument("`consistency=equal_cameras` is a form of camera consistency: set `camera_consistency` too");
+  }
+  if (options.new_views > 0 || options.flips > 0 || options.joint_dropout > 0) {
+    ThrowInvalidArgument(
+        "`new_views`, `flips` and `joint_dropout` change the 3D pose to learn from: they need `supervision`");
+  }
+  if (options.ray != RayForm::kOff && options.camera_consistency != CameraConsistency::kOff) {
+    ThrowInvalidArgument(
+        "`ray={}` rotates the camera with every pose, so that none is static: `camera_consistency` must be off",
+        ToString(options.ray));
   }
 }
 
-void RequireOneOf(const char* name, const std::string& value, std::initializer_list<const char*> allowed) {
-  std::string list;
-  for (const char* word : allowed) {
-    if (value == word) return;
-    list += (list.empty() ? "" : ", ") + std::string(word);
-  }
-  ThrowInvalidArgument("{}: expected one of {}, found \"{}\"", name, list, value);
-}
-
-/// Options that only go together with some kind of supervision.
-void ValidateSupervision(const TrainOptions& options) {
-  if (options.supervision == "none") {
-    if (options.network != "canonical") {
-      ThrowInvalidArgument("network={} answers no rotation that views could share: it needs supervision",
-                           options.network);
-    }
-    if (options.consistency == "equal_cameras" && options.camera_consistency == "off") {
-      ThrowInvalidArgument("consistency=equal_cameras is a form of camera consistency: set camera_consistency, too");
-    }
-    if (options.new_views > 0 || options.flips > 0 || options.joint_dropout > 0) {
-      ThrowInvalidArgument("new_views, flips and joint_dropout change a 3D pose to learn from: they need supervision");
-    }
-    if (options.ray != "off" && options.camera_consistency != "off") {
-      ThrowInvalidArgument(
-          "ray={} turns the camera with every pose, so that none stands still: camera_consistency must be off",
-          options.ray);
-    }
-    return;
-  }
+void ValidateSupervised(const TrainOptions& options) {
+  const char* supervision = ToString(options.supervision);
   if (options.restarts > 1) {
-    ThrowInvalidArgument("restarts: they are chosen by the loss of view mixing, which supervision={} has not",
-                         options.supervision);
+    ThrowInvalidArgument(
+        "`restarts` are compared by their loss of view consistency, which `supervision={}` does not compute: leave "
+        "`restarts` at 1",
+        supervision);
   }
-  if (options.consistency != "mixing" || options.loss_confidences != "on") {
-    ThrowInvalidArgument("consistency and loss_confidences belong to the losses of views, which supervision={} has not",
-                         options.supervision);
+  if (options.consistency != Consistency::kMixing || !options.loss_confidences) {
+    ThrowInvalidArgument(
+        "`consistency` and `loss_confidences` are about the losses between views, which `supervision={}` does not "
+        "compute: leave them out",
+        supervision);
   }
-  if (options.network == "martinez" && (options.rotation != "axis_angle" || options.rotation_spread != 1.0)) {
-    ThrowInvalidArgument("network=martinez answers no rotation: leave rotation and rotation_spread out");
+  if (options.network == LifterKind::kMartinez &&
+      (options.rotation != RotationForm::kAxisAngle || options.rotation_spread != 1.0)) {
+    ThrowInvalidArgument("`network=martinez` outputs no rotation: leave `rotation` and `rotation_spread` out");
   }
-  if (options.mirror != "auto") {
-    ThrowInvalidArgument("mirror: with supervision={} there is none to decide; leave it out", options.supervision);
+  if (options.mirror != MirrorHandling::kAuto) {
+    ThrowInvalidArgument("with `supervision={}` poses are learned the right way round: leave `mirror` out",
+                         supervision);
   }
-  if (options.perspective != "off" || options.camera_consistency != "off") {
-    ThrowInvalidArgument("supervision={} uses no projection: perspective and camera_consistency must be off",
-                         options.supervision);
+  if (options.perspective != PerspectiveForm::kOff || options.camera_consistency != CameraConsistency::kOff) {
+    ThrowInvalidArgument(
+        "`supervision={}` compares poses in 3D, without a projection: `perspective` and `camera_consistency` must be "
+        "off",
+        supervision);
   }
 }
 
 }  // namespace
 
 void TrainOptions::Validate() const {
-  const auto require = [](bool ok, const char* name, const char* expected, double found) {
-    if (!ok) ThrowInvalidArgument("{}: expected {}, found {}", name, expected, found);
-  };
-  require(epochs >= 0, "epochs", "1 or more", epochs);
-  require(default_epochs >= 1, "default_epochs", "1 or more", default_epochs);
-  require(min_steps >= 0, "min_steps", "0 or more", min_steps);
-  require(width >= 1 && width <= 65536, "width", "1 to 65536", width);
-  require(batch_frames >= 1, "batch_frames", "1 or more", batch_frames);
-  require(learning_rate > 0, "learning_rate", "more than 0", learning_rate);
-  require(weight_decay >= 0, "weight_decay", "0 or more", weight_decay);
-  require(view_weight >= 0, "view_weight", "0 or more", view_weight);
-  require(camera_weight >= 0, "camera_weight", "0 or more", camera_weight);
-  require(camera_window_seconds > 0, "camera_window_seconds", "more than 0", camera_window_seconds);
-  require(camera_window_end > 0 && camera_window_end <= 1, "camera_window_end", "more than 0, up to 1",
-          camera_window_end);
-  require(rotation_spread > 0, "rotation_spread", "more than 0", rotation_spread);
-  require(restarts >= 1 && restarts <= 1000, "restarts", "1 to 1000", restarts);
-  require(restart_steps >= 1, "restart_steps", "1 or more", restart_steps);
-  require(perspective_warmup >= 0 && perspective_warmup <= 1, "perspective_warmup", "0 to 1", perspective_warmup);
-  require(perspective_learning_rate > 0, "perspective_learning_rate", "more than 0", perspective_learning_rate);
-  require(validation >= 0 && validation <= 0.5, "validation", "0 to 0.5", validation);
-  require(threads >= 0, "threads", "0 or more", threads);
-  require(checkpoint_seconds >= 0, "checkpoint_seconds", "0 or more", checkpoint_seconds);
-  RequireOneOf("camera_consistency", camera_consistency, {"off", "static", "window"});
-  RequireOneOf("perspective", perspective, {"off", "learned"});
-  RequireOneOf("bootstrap", bootstrap, {"auto", "starter", "method", "factorisation"});
-  RequireOneOf("mirror", mirror, {"auto", "keep", "flip"});
-  require(new_views >= 0 && new_views <= 1, "new_views", "0 to 1", new_views);
-  require(flips >= 0 && flips <= 1, "flips", "0 to 1", flips);
-  require(joint_dropout >= 0 && joint_dropout <= 1, "joint_dropout", "0 to 1", joint_dropout);
-  RequireOneOf("schedule", schedule, {"steps", "cosine"});
-  RequireOneOf("supervision", supervision, {"none", "truth", "solved", "triangulated"});
-  RequireOneOf("network", network, {"canonical", "martinez"});
-  RequireOneOf("input_confidences", input_confidences, {"on", "missing", "off"});
-  RequireOneOf("loss_confidences", loss_confidences, {"on", "off"});
-  RequireOneOf("consistency", consistency, {"mixing", "equal_poses", "equal_cameras"});
-  RequireOneOf("ray", ray, {"off", "root"});
-  RequireOneOf("focal", focal, {"guess", "known"});
-  RequireOneOf("rotation", rotation, {"axis_angle", "6d"});
-  RequireOneOf("uncertainty_weights", uncertainty_weights, {"off", "on"});
-  ValidateSupervision(*this);
-}
-
-std::string TrainOptions::ToJson(bool only_what_changes_results) const {
-  Json json;
-  VisitFields(*this, [&](const char* name, const auto& field, bool changes_result) {
-    if (changes_result || !only_what_changes_results) json[name] = field;
-  });
-  return json.dump();
-}
-
-TrainOptions TrainOptions::FromJson(const std::string& text, const std::string& file) {
-  try {
-    TrainOptions options;
-    const Json json = Json::parse(text);
-    VisitFields(options, [&](const char* name, auto& field, bool) {
-      if (json.contains(name)) json[name].get_to(field);
-    });
-    return options;
-  } catch (const Json::exception&) {
-    ThrowBadInput({file, "attribute options", "the options of training as JSON", "damaged text",
-                   "restore the file or train again"});
+  RequireRanges(kTable, *this);
+  if (is_supervised()) {
+    ValidateSupervised(*this);
+  } else {
+    ValidateViews(*this);
   }
 }
 
-bool TrainOptions::Has(const std::string& name) {
-  bool found = false;
-  const TrainOptions options;
-  VisitFields(options, [&](const char* field_name, const auto&, bool) { found = found || name == field_name; });
-  return found;
+std::string TrainOptions::ToJson(bool only_what_changes_results) const {
+  return WriteJson(kTable, *this, only_what_changes_results);
 }
+
+TrainOptions TrainOptions::FromJson(const std::string& text, const std::string& file) {
+  const auto damaged = [&](const std::string& what) {
+    ThrowBadInput(
+        {file, "attribute options", "the options of training as JSON", what, "restore the file or train again"});
+  };
+  TrainOptions options;
+  try {
+    options = ReadJson<TrainOptions>(kTable, text);
+  } catch (const nlohmann::json::exception&) {
+    damaged("damaged text");
+  } catch (const Error& error) {
+    damaged(error.what());
+  }
+  return options;
+}
+
+bool TrainOptions::Has(const std::string& name) { return HasRow(kTable, name); }
 
 void TrainOptions::Set(const std::string& name, const std::string& value) {
-  if (name == "preset")
-    ThrowInvalidArgument("`preset` is not one of the options to be set one by one: choose it as `preset` {}", value);
-  bool found = false;
-  std::string known;
-  VisitFields(*this, [&](const char* field_name, auto& field, bool) {
-    known += (known.empty() ? "" : ", ") + std::string(field_name);
-    if (name != field_name) return;
-    ParseField(name, value, field);
-    found = true;
-  });
-  if (!found) ThrowInvalidArgument("there is no option \"{}\"; there are {}", name, known);
+  if (name == "preset") {
+    ThrowInvalidArgument(
+        "`preset` stands for a choice of all options and is not set like one of them: give `preset={}`", value);
+  }
+  SetField(kTable, name, value, *this);
 }
 
-std::string TrainOptions::Get(const std::string& name) const {
-  std::string value;
-  VisitFields(*this, [&](const char* field_name, const auto& field, bool) {
-    if (name == field_name) value = fmt::format("{}", field);
-  });
-  return value;
-}
+std::string TrainOptions::Get(const std::string& name) const { return GetField(kTable, name, *this); }
 
 std::vector<std::string> TrainOptions::Differences(const TrainOptions& other) const {
   std::vector<std::string> names;
-  VisitFields(*this, [&](const char* name, const auto&, bool changes_result) {
-    if (changes_result && Get(name) != other.Get(name)) names.emplace_back(name);
+  ForEachRow(kTable, [&](const auto& row) {
+    if (row.changes_results && Get(row.name) != other.Get(row.name)) names.emplace_back(row.name);
   });
   return names;
 }
 
-std::string PresetNames() { return "paper, paper+c, plus, supervised, martinez, epipolar, best"; }
+const std::vector<Preset>& Presets() {
+  static const std::vector<Preset> presets = {
+      {"paper", "the method as published, without camera consistency; the mirror is decided once, at the end", {}},
+      {"paper+c", "paper with camera consistency", {{"camera_consistency", "static"}}},
+      {"plus",
+       "paper+c with a learned perspective factor, a quarter of the width and a higher learning rate",
+       // A quarter of the width costs little accuracy (docs/results.md) and makes small recordings a matter of a
+       // minute.
+       {{"camera_consistency", "static"}, {"perspective", "learned"}, {"width", "256"}, {"learning_rate", "0.001"}}},
+      {"supervised",
+       "the same lifter trained on the dataset's true 3D poses: what the others are measured against",
+       {{"supervision", "truth"}}},
+      {"martinez",
+       "the network of Martinez et al. (ICCV 2017), trained on the dataset's true 3D poses",
+       {{"supervision", "truth"}, {"network", "martinez"}, {"learning_rate", "0.001"}, {"weight_decay", "0"}}},
+      {"epipolar",
+       "the same lifter trained on 3D poses triangulated with the dataset's calibration",
+       {{"supervision", "triangulated"}}},
+      {"best",
+       "a lifter trained on the 3D poses that `canonpose solve` finds from all views, seen from many more views",
+       // Without uncertainty_weights: uncertain joints are the hard ones, and weighing them less costs more than their
+       // errors (docs/results.md).
+       {{"supervision", "solved"},
+        {"width", "256"},
+        {"learning_rate", "0.001"},
+        {"schedule", "cosine"},
+        {"ray", "root"},
+        {"input_confidences", "missing"},
+        {"new_views", "0.8"},
+        {"flips", "0.5"},
+        {"joint_dropout", "0.15"}}}};
+  return presets;
+}
 
-TrainOptions PresetOptions(const std::string& preset) {
+TrainOptions PresetOptions(const std::string& name) {
+  const auto preset = std::ranges::find(Presets(), name, &Preset::name);
+  if (preset == Presets().end()) {
+    ThrowInvalidArgument("`preset`: expected one of {}, found \"{}\"", PresetNames(), name);
+  }
   TrainOptions options;
-  options.preset = preset;
-  options.min_steps = 3000;
-  if (preset == "paper") return options;
-  if (preset == "supervised" || preset == "martinez" || preset == "epipolar") {
-    options.supervision = preset == "epipolar" ? "triangulated" : "truth";
-    if (preset != "martinez") return options;
-    options.network = "martinez";
-    options.learning_rate = 1e-3;  // the authors'
-    options.weight_decay = 0.0;
-    return options;
+  options.preset = name;
+  for (const auto& [field, value] : preset->differences) options.Set(field, value);
+  return options;
+}
+
+std::string PresetNames() {
+  std::vector<std::string> names;
+  for (const Preset& preset : Presets()) names.emplace_back(preset.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+namespace {
+
+/// "plus, martinez and best"
+std::string JoinWithAnd(const std::vector<std::string>& names) {
+  if (names.size() < 2) return names.empty() ? "" : names.front();
+  return fmt::format("{} and {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
+}
+
+/// "; 256 for plus and best", or nothing where all presets have the default.
+std::string OtherDefaults(const std::string& field) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> presets_by_value;
+  for (const Preset& preset : Presets()) {
+    for (const auto& [name, value] : preset.differences) {
+      if (name != field) continue;
+      auto found = std::ranges::find(presets_by_value, value, [](const auto& entry) { return entry.first; });
+      if (found == presets_by_value.end()) found = presets_by_value.insert(found, {value, {}});
+      found->second.emplace_back(preset.name);
+    }
   }
-  if (preset == "best") {
-    options.supervision = "solved";
-    options.width = 256;
-    options.learning_rate = 1e-3;
-    options.schedule = "cosine";
-    options.ray = "root";
-    options.input_confidences = "missing";
-    options.new_views = 0.8;
-    options.flips = 0.5;
-    options.joint_dropout = 0.15;
-    // Unsure joints are the hard ones: weighing them less costs more than their errors (docs/results.md).
-    return options;
-  }
-  options.camera_consistency = "static";
-  if (preset == "paper+c") return options;
-  if (preset == "plus") {
-    options.perspective = "learned";
-    // A quarter of the width costs little accuracy (docs/results.md) and makes small recordings a matter of a minute.
-    options.width = 256;
-    options.learning_rate = 1e-3;
-    return options;
-  }
-  ThrowInvalidArgument("`preset`: expected one of {}, found \"{}\"", PresetNames(), preset);
+  std::string text;
+  for (const auto& [value, presets] : presets_by_value) text += fmt::format("; {} for {}", value, JoinWithAnd(presets));
+  return text;
+}
+
+}  // namespace
+
+const std::vector<OptionDescription>& DescribeTrainOptions() {
+  static const std::vector<OptionDescription> descriptions = [] {
+    std::vector<OptionDescription> all = DescribeTable<TrainOptions>(kTable);
+    for (OptionDescription& option : all) option.default_value += OtherDefaults(option.name);
+    return all;
+  }();
+  return descriptions;
 }
 
 }  // namespace canonpose

@@ -130,11 +130,11 @@ TEST(Restarts, GoOnWithTheRunOfTheLeastLossAsIfItWereAlone) {
 /// With everything else that training without labels can do.
 TrainJob FullJob(const TemporaryFolder& folder, const std::string& name) {
   TrainJob job = RestartJob(folder, name);
-  job.options.camera_consistency = "off";
-  job.options.ray = "root";
-  job.options.rotation = "6d";
+  job.options.camera_consistency = CameraConsistency::kOff;
+  job.options.ray = RayForm::kRoot;
+  job.options.rotation = RotationForm::kSix;
   job.options.rotation_spread = 4.0;
-  job.options.schedule = "cosine";
+  job.options.schedule = RateSchedule::kCosine;
   return job;
 }
 

@@ -32,7 +32,7 @@ double CosineFactor(std::int64_t step, std::int64_t steps) {
 }
 
 double LearningRateFactor(const TrainOptions& options, const Schedule& schedule, std::int64_t step) {
-  if (options.schedule == "cosine") return CosineFactor(step, schedule.steps());
+  if (options.schedule == RateSchedule::kCosine) return CosineFactor(step, schedule.steps());
   return LearningRateFactor(static_cast<int>(step / schedule.steps_per_epoch), schedule.epochs);
 }
 

@@ -60,11 +60,11 @@ class TrainingRun {
   TrainReport Finish();
 
  private:
-  [[nodiscard]] bool is_supervised() const { return options_.supervision != "none"; }
+  [[nodiscard]] bool is_supervised() const { return options_.is_supervised(); }
   [[nodiscard]] RestartPlan plan() const { return {options_.restarts, options_.restart_steps, schedule_.steps()}; }
   /// Seed of what is running: that of a restart where there are several.
   [[nodiscard]] std::uint64_t seed() const { return RestartSeed(options_.seed, restarts_.running); }
-  [[nodiscard]] bool wants_perspective() const { return options_.perspective == "learned"; }
+  [[nodiscard]] bool wants_perspective() const { return options_.perspective == PerspectiveForm::kLearned; }
   [[nodiscard]] std::int64_t warmup_steps() const {
     return static_cast<std::int64_t>(options_.perspective_warmup * static_cast<double>(schedule_.steps()));
   }
@@ -115,10 +115,10 @@ class TrainingRun {
   std::chrono::steady_clock::time_point epoch_start_ = std::chrono::steady_clock::now();
 };
 
-/// Of "truth", "solved" or "triangulated", in a sentence.
-const char* SourceOfTargets(const std::string& supervision) {
-  if (supervision == "truth") return "truth";
-  return supervision == "solved" ? "solution" : "calibration";
+/// What the poses to learn came from, in a sentence.
+const char* SourceOfTargets(Supervision supervision) {
+  if (supervision == Supervision::kTruth) return "truth";
+  return supervision == Supervision::kSolved ? "solution" : "calibration";
 }
 
 void InitialiseNetwork(LiftingNetwork& network, const TrainOptions& options, std::uint64_t seed) {
@@ -141,7 +141,7 @@ ModelInfo DescribeModel(const TrainJob& job) {
   info.program_version = ProgramVersion();
   info.skeleton = job.datasets.front().skeleton;
   info.source = job.datasets.front().source;
-  info.network = options.network;
+  info.network = NetworkOf(options.network);
   info.width = options.width;
   info.rotation = options.rotation;
   info.input = InputFormOf(options);
@@ -220,7 +220,7 @@ Losses TrainingRun::BatchLosses(std::int64_t step) {
   }
   BatchTensors batch = GatherBatch(split_.training, frames, device_);
   Rng permutations(seed(), {stream::kPermutations, static_cast<std::uint64_t>(step)});
-  const bool is_static = options_.camera_consistency == "static";
+  const bool is_static = options_.camera_consistency == CameraConsistency::kStatic;
   const double left = is_static ? 1.0 : WindowLeft(options_, schedule_, step);
   const BatchPairs pairs = MakeBatchPairs(
       frames, split_.training.static_captures, is_static || (left > 0.0 && !windows.empty()),
@@ -231,9 +231,8 @@ Losses TrainingRun::BatchLosses(std::int64_t step) {
 
 Losses TrainingRun::LossesOfViews(BatchTensors& batch, const BatchPairs& pairs, const LossWeights& weights) {
   const LifterOutput output = network_->forward(LifterInput(batch));
-  if (options_.loss_confidences == "off") WeighSeenJointsAlike(batch);
-  return ComputeLosses(output, batch, pairs, weights, PerspectiveInLosses(), root_,
-                       ParseConsistency(options_.consistency));
+  if (!options_.loss_confidences) WeighSeenJointsAlike(batch);
+  return ComputeLosses(output, batch, pairs, weights, PerspectiveInLosses(), root_, options_.consistency);
 }
 
 void TrainingRun::TakeStep() {
@@ -425,14 +424,14 @@ void DescribeStart(const TrainingRun& run, const TrainOptions& options) {
       std::count(split.training.static_captures.begin(), split.training.static_captures.end(), std::uint8_t{0}));
   LogInfo("{} frames to train on, {} held out, {} left out ({})", split.training.frames.size(),
           split.validation.frames.size(), split.frames_left_out,
-          options.supervision == "none" ? "seen by fewer than two cameras" : "no 3D pose to learn from");
+          !options.is_supervised() ? "seen by fewer than two cameras" : "no 3D pose to learn from");
   LogInfo("preset {}, width {}, {} epochs of {} steps on {} ({} threads)", options.preset, options.width,
           schedule.epochs, schedule.steps_per_epoch, options.device, ThreadCount());
   if (options.epochs == 0 && schedule.epochs != options.default_epochs) {
     LogInfo("a small recording: {} epochs in place of {}, so that {} steps are taken (`epochs` overrides)",
             schedule.epochs, options.default_epochs, schedule.steps());
   }
-  if (options.camera_consistency == "static" && moving > 0) {
+  if (options.camera_consistency == CameraConsistency::kStatic && moving > 0) {
     LogInfo("camera consistency is left out for {} of {} captures, whose cameras move", moving,
             split.training.static_captures.size());
   }
@@ -450,7 +449,7 @@ TrainReport Train(const TrainJob& given) {
   const auto start = std::chrono::steady_clock::now();
   given.options.Validate();
   std::optional<TrainJob> triangulated;
-  if (given.options.supervision == "triangulated") {
+  if (given.options.supervision == Supervision::kTriangulated) {
     triangulated = given;
     for (Dataset& dataset : triangulated->datasets) LearnFromTriangulation(dataset);
   }

@@ -28,9 +28,9 @@ using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 using testing::CalibratedShow;
-using testing::StoppedAfter;
 using testing::kJoints;
 using testing::PuppetShow;
+using testing::StoppedAfter;
 
 /// A puppet that does not turn, before cameras around it whose calibration is known.
 Dataset CalibratedRing(int frames, int cameras) {
@@ -115,7 +115,8 @@ TEST(MakeTrainingSplit, KeepsTheTurnOfEveryRow) {
   dataset.sequences[0].cameras[0].confidence[7 * kJoints] = 0.0F;  // the root: a missing view
   dataset.sequences[0].cameras[1].confidence[7 * kJoints] = 0.0F;  // and with it the frame
   EXPECT_TRUE(MakeTrainingSplit({dataset}, 0.0).training.turned_from_camera.empty());
-  const TrainingSet set = MakeTrainingSplit({dataset}, 0.0, {TrainingTarget::kViews, {"root", "guess"}}).training;
+  const TrainingSet set =
+      MakeTrainingSplit({dataset}, 0.0, {TrainingTarget::kViews, {RayForm::kRoot, FocalSource::kGuess}}).training;
   ASSERT_EQ(set.row_count(), 19 * 3);
   ASSERT_EQ(set.turned_from_camera.size(), 19U * 3U);
   for (std::size_t row = 0; row < set.turned_from_camera.size(); ++row) {
@@ -152,12 +153,12 @@ TEST(Train, SameSeedSameBitsAndAnotherSeedOthers) {
 TrainJob AugmentedJob(const TemporaryFolder& folder, const std::string& name) {
   TrainJob job = Job(folder, name, "best");
   job.datasets = {CalibratedShow(40, 3)};
-  job.options.supervision = "truth";
+  job.options.supervision = Supervision::kTruth;
   job.options.width = 16;
   job.options.learning_rate = 1e-3;
-  job.options.rotation = "6d";
-  job.options.focal = "known";
-  job.options.schedule = "cosine";
+  job.options.rotation = RotationForm::kSix;
+  job.options.focal = FocalSource::kKnown;
+  job.options.schedule = RateSchedule::kCosine;
   return job;
 }
 
@@ -165,12 +166,12 @@ TrainJob AugmentedJob(const TemporaryFolder& folder, const std::string& name) {
 TrainJob WindowedJob(const TemporaryFolder& folder, const std::string& name) {
   TrainJob job = Job(folder, name);
   job.datasets[0].sequences[0].static_cameras = false;
-  job.options.camera_consistency = "window";
+  job.options.camera_consistency = CameraConsistency::kWindow;
   job.options.camera_window_seconds = 0.5;
   job.options.camera_window_end = 0.8;
-  job.options.rotation = "6d";
+  job.options.rotation = RotationForm::kSix;
   job.options.rotation_spread = 4.0;
-  job.options.schedule = "cosine";
+  job.options.schedule = RateSchedule::kCosine;
   return job;
 }
 
@@ -298,9 +299,9 @@ TEST(Train, SupervisionWithoutTruthIsRefused) {
   TrainJob job = Job(folder, "run", "supervised");
   for (CameraView& view : job.datasets[0].sequences[0].cameras) view.truth.clear();
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(job); }), HasSubstr("show.h5: expected truth"));
-  job.options.supervision = "solved";
+  job.options.supervision = Supervision::kSolved;
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(job); }), HasSubstr("run `canonpose solve` first"));
-  job.options.perspective = "learned";
+  job.options.perspective = PerspectiveForm::kLearned;
   EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { Train(job); }), HasSubstr("supervision"));
 }
 
@@ -309,7 +310,7 @@ TEST(Train, RotationsStartSpreadOutExactly) {
   TrainJob job = Job(folder, "plain", "paper");
   job.options.epochs = 1;
   job.options.learning_rate = 1e-30;  // training leaves all weights as they are
-  job.options.mirror = "keep";
+  job.options.mirror = MirrorHandling::kKeep;
   Train(job);
   job.run_folder = folder / "spread";
   job.options.rotation_spread = 10.0;
@@ -328,7 +329,7 @@ TEST(Train, CameraConsistencyWithinWindowsServesMovingCamerasAndIsResumable) {
   const TemporaryFolder folder;
   TrainJob job = Job(folder, "window", "paper");
   job.datasets[0].sequences[0].static_cameras = false;
-  job.options.camera_consistency = "window";
+  job.options.camera_consistency = CameraConsistency::kWindow;
   job.options.camera_window_seconds = 0.5;
   Train(job);
   std::istringstream metrics(ReadFile(job.run_folder / "metrics.jsonl"));
@@ -356,9 +357,9 @@ TEST(Train, CameraConsistencyWithinWindowsServesMovingCamerasAndIsResumable) {
 TEST(Train, MirrorByRequestIsTheExactMirror) {
   const TemporaryFolder folder;
   TrainJob keep = Job(folder, "keep", "paper");
-  keep.options.mirror = "keep";
+  keep.options.mirror = MirrorHandling::kKeep;
   TrainJob flip = Job(folder, "flip", "paper");
-  flip.options.mirror = "flip";
+  flip.options.mirror = MirrorHandling::kFlip;
   EXPECT_EQ(Train(keep).model.mirror.decision, "kept by request");
   EXPECT_EQ(Train(flip).model.mirror.decision, "flipped by request");
   const auto kept = MakeLifter(ReadModelFile(folder / "keep"), "", torch::kCPU);

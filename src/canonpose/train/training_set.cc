@@ -79,7 +79,7 @@ class Builder {
       set.confidence.insert(set.confidence.end(), pose_.confidence.begin(), pose_.confidence.end());
       source.camera = static_cast<int>(&view - sequence.cameras.data());
       set.sources.push_back(source);
-      if (form_.input.ray != "off") set.turned_from_camera.push_back(turned_from_camera_.cast<float>());
+      if (form_.input.ray != RayForm::kOff) set.turned_from_camera.push_back(turned_from_camera_.cast<float>());
     }
     if (frame.views.size() >= (with_target ? 1U : 2U)) {
       set.frames.push_back(std::move(frame));
@@ -89,7 +89,7 @@ class Builder {
     set.keypoints.resize(first_row * 2 * joints);
     set.confidence.resize(first_row * joints);
     set.sources.resize(first_row);
-    if (form_.input.ray != "off") set.turned_from_camera.resize(first_row);
+    if (form_.input.ray != RayForm::kOff) set.turned_from_camera.resize(first_row);
     ++split_.frames_left_out;
   }
 
@@ -154,9 +154,9 @@ std::size_t MostCameras(const std::vector<Dataset>& datasets) {
 
 }  // namespace
 
-TrainingTarget ParseTrainingTarget(const std::string& supervision) {
-  if (supervision == "truth") return TrainingTarget::kTruth;
-  return supervision == "solved" || supervision == "triangulated" ? TrainingTarget::kSolved : TrainingTarget::kViews;
+TrainingTarget TargetOf(Supervision supervision) {
+  if (supervision == Supervision::kNone) return TrainingTarget::kViews;
+  return supervision == Supervision::kTruth ? TrainingTarget::kTruth : TrainingTarget::kSolved;
 }
 
 const std::vector<float>& TargetPoses(const CameraView& view, TrainingTarget target) {

@@ -10,6 +10,7 @@
 
 #include "canonpose/data/dataset.h"
 #include "canonpose/model/model_file.h"
+#include "canonpose/train/options.h"
 
 namespace canonpose {
 
@@ -76,8 +77,8 @@ enum class TrainingTarget {
   kSolved,  ///< likewise the 3D poses that `solve` found, or that LearnFromTriangulation() put in their place
 };
 
-/// Of "none", "truth", "solved" or "triangulated", as the option `supervision` has it.
-TrainingTarget ParseTrainingTarget(const std::string& supervision);
+/// Triangulated poses take the place of solved ones (train/triangulated_targets.h).
+TrainingTarget TargetOf(Supervision supervision);
 
 /// The poses of a view that are to be learnt, (T, J, 3), and the cameras that belong to them; empty where there are
 /// none.

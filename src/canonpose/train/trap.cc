@@ -105,7 +105,7 @@ TrapFinding ReportTrap(const TrapSigns& signs, const InputForm& input) {
       "turn little from frame to frame): train again with {}`camera_consistency=static` where cameras stand still, "
       "`camera_consistency=window` `camera_weight=0.5` where they move, more epochs or another `seed`",
       verdict == TrapVerdict::kTrapped ? "has settled" : "may have settled", signs.Describe(),
-      input.ray == "off" ? "" : "`ray=off` and ");  // which camera consistency needs
+      input.ray == RayForm::kOff ? "" : "`ray=off` and ");  // which camera consistency needs
   return finding;
 }
 

@@ -101,7 +101,7 @@ TEST(ReportTrap, AdvisesNothingThatTheOptionsRefuse) {
     return messages.text();
   };
   EXPECT_THAT(advice({}), Not(HasSubstr("ray=off")));
-  EXPECT_THAT(advice({"root", "guess"}), HasSubstr("`ray=off` and `camera_consistency=static`"));
+  EXPECT_THAT(advice({RayForm::kRoot, FocalSource::kGuess}), HasSubstr("`ray=off` and `camera_consistency=static`"));
 }
 
 /// A lifter that sees the same body everywhere, whose joints lie on the axes, under the same rotation.

@@ -76,7 +76,7 @@ int Main(int argc, char** argv) {
       "Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 the computation failed, 130 interrupted.\n"
       "canonpose help COMMAND tells more about a command.");
 
-  SetThreadCount(0);  // lift and evaluate; train sets its own
+  const ThreadScope threads(0);  // for lift and evaluate; training has its own
   AddImportCommand(app);
   AddSimulateCommand(app);
   AddTrainCommand(app);

@@ -65,8 +65,7 @@ Sgemm OpenBlasSgemm() {
 }  // namespace
 
 LinearAlgebraSpeed MeasureLinearAlgebra() {
-  const int threads_before = ThreadCount();
-  SetThreadCount(1);
+  const ThreadScope threads(1);
   const torch::NoGradGuard no_grad;
   const torch::Tensor a = torch::ones({kMeasuredSize, kMeasuredSize});
   torch::Tensor c = torch::zeros({kMeasuredSize, kMeasuredSize});
@@ -80,7 +79,6 @@ LinearAlgebraSpeed MeasureLinearAlgebra() {
     speed.openblas_gflops = MeasureGflops(
         [&] { sgemm("N", "N", &n, &n, &n, &one, values, &n, values, &n, &zero, c.data_ptr<float>(), &n); });
   }
-  SetThreadCount(threads_before);
   return speed;
 }
 
@@ -92,19 +90,37 @@ void WarnAboutSlowLinearAlgebra() {
   }
   static std::once_flag once;
   std::call_once(once, [&] {
-    LogWarning("matrices are multiplied by {} instead of OpenBLAS, which is several times faster: take it out of {}",
-               library, std::getenv("LD_PRELOAD") != nullptr ? "LD_PRELOAD" : "the libraries that are loaded first");
+    LogWarning("{} multiplies matrices here, several times slower than OpenBLAS: remove it from {}", library,
+               std::getenv("LD_PRELOAD") != nullptr ? "LD_PRELOAD" : "the libraries that are loaded first");
   });
 }
 
-void SetThreadCount(int threads) {
-  threads = std::max(1, threads);
-  at::set_num_threads(threads);
-  // OpenBLAS keeps threads of its own, which LibTorch does not know of.
-  using SetThreads = void (*)(int);
-  if (const auto set_threads = reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads")))
-    set_threads(threads);
+namespace {
+
+// OpenBLAS has threads of its own, which LibTorch knows nothing about.
+
+int OpenBlasThreads() {
+  using GetThreads = int (*)();
+  const auto get_threads = reinterpret_cast<GetThreads>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
+  return get_threads == nullptr ? 1 : get_threads();
 }
+
+void SetThreads(int torch_threads, int openblas_threads) {
+  at::set_num_threads(torch_threads);
+  using SetOpenBlasThreads = void (*)(int);
+  if (const auto set = reinterpret_cast<SetOpenBlasThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) {
+    set(openblas_threads);
+  }
+}
+
+}  // namespace
+
+ThreadScope::ThreadScope(int threads)
+    : torch_threads_before_(at::get_num_threads()), openblas_threads_before_(OpenBlasThreads()) {
+  SetThreads(std::max(1, threads), std::max(1, threads));
+}
+
+ThreadScope::~ThreadScope() { SetThreads(torch_threads_before_, openblas_threads_before_); }
 
 int ThreadCount() { return at::get_num_threads(); }
 

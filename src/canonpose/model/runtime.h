@@ -1,4 +1,4 @@
-// The machine LibTorch runs on: device, threads, and whether its linear algebra is a fast one. No LibTorch in this
+// The machine LibTorch runs on: its devices, threads, and whether its linear algebra is fast. No LibTorch in this
 // header.
 #pragma once
 
@@ -6,11 +6,11 @@
 
 namespace canonpose {
 
-/// "cpu" or "cuda". Throws Error(kInvalidArgument) for other words, Error(kBadInput) where this LibTorch or machine has
-/// no CUDA.
+/// Throws Error(kInvalidArgument) unless `device` is "cpu" or "cuda", and Error(kBadInput) for "cuda" where this
+/// LibTorch or this machine has no CUDA.
 void RequireDevice(const std::string& device);
 
-/// The library that multiplies LibTorch's matrices, by path, "MKL", or "" where it cannot be told.
+/// The library that multiplies LibTorch's matrices: its path, "MKL", or "" where that cannot be found out.
 std::string LinearAlgebraLibrary();
 
 /// How fast the program multiplies two float32 matrices of 1024 x 1024 on one thread: the best of several tries, in
@@ -21,13 +21,26 @@ struct LinearAlgebraSpeed {
 };
 LinearAlgebraSpeed MeasureLinearAlgebra();
 
-/// The program links OpenBLAS in front of all else, so that it answers LibTorch's calls whatever else is installed.
-/// Warns once where a slower library does, which something like LD_PRELOAD must then have put before it.
+/// Warns once where a slow library multiplies matrices. The program links OpenBLAS before everything else, so that must
+/// be the effect of something like LD_PRELOAD.
 void WarnAboutSlowLinearAlgebra();
 
-/// Sets the number of threads that networks are computed with; 0: one, which is the fastest for narrow networks and
-/// never waits for a core that another program uses.
-void SetThreadCount(int threads);
+/// The number of threads that networks are computed with on the CPU, while a scope lives; the number that was in force
+/// before returns afterwards. It holds for the whole process: scopes must be nested, not made by threads side by side.
+class ThreadScope {
+ public:
+  /// 0: one thread, which is the fastest for narrow networks and never waits for a core that another program uses.
+  explicit ThreadScope(int threads);
+  ~ThreadScope();
+  ThreadScope(const ThreadScope&) = delete;
+  ThreadScope& operator=(const ThreadScope&) = delete;
+
+ private:
+  int torch_threads_before_;
+  int openblas_threads_before_;
+};
+
+/// The number of threads in force.
 int ThreadCount();
 
 }  // namespace canonpose

@@ -47,6 +47,20 @@ TEST(Runtime, LoadsNoSlowLibrary) {
   EXPECT_THAT(LoadedLibraries(), Not(Contains(HasSubstr("f77blas"))));
 }
 
+TEST(Runtime, AThreadScopeRestoresTheNumberOfThreads) {
+  const int before = ThreadCount();
+  {
+    const ThreadScope two(2);
+    EXPECT_EQ(ThreadCount(), 2);
+    {
+      const ThreadScope one(0);
+      EXPECT_EQ(ThreadCount(), 1);
+    }
+    EXPECT_EQ(ThreadCount(), 2);
+  }
+  EXPECT_EQ(ThreadCount(), before);
+}
+
 TEST(Runtime, MultipliesAboutAsFastAsOpenBlasAlone) {
   if (LinearAlgebraLibrary() == "MKL") GTEST_SKIP() << "this LibTorch brings MKL";
   const LinearAlgebraSpeed speed = MeasureLinearAlgebra();

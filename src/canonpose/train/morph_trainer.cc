@@ -218,7 +218,7 @@ MorphReport MorphRun::Finish() {
 MorphReport TrainMorph(const MorphJob& job) {
   job.options.Validate();
   RequireDevice(job.options.device);
-  SetThreadCount(job.options.threads);
+  const ThreadScope threads(job.options.threads);
   WarnAboutSlowLinearAlgebra();
   if (job.pairs.count() < kMinPairs) {
     ThrowComputation("{} pairs of a detected and a true 2D pose are too few to learn from: {} are needed",

@@ -455,7 +455,7 @@ TrainReport Train(const TrainJob& given) {
   }
   const TrainJob& job = triangulated ? *triangulated : given;
   RequireDevice(job.options.device);
-  SetThreadCount(job.options.threads);
+  const ThreadScope threads(job.options.threads);
   WarnAboutSlowLinearAlgebra();
   RequireSuitableData(job);
   TrainingSplit split = MakeTrainingSplit(job.datasets, job.options.validation, RowFormOf(job.options));

@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 """Makes lifter_losses_small.json: the method's losses, gradients and Adam steps for a small network, in float64.
 
-Written from the description in README.md with PyTorch's own layers, autograd and Adam, and without a line in common with the C++:
-two implementations that agree. Needs Debian's python3-torch; run as: ./make_small.py > lifter_losses_small.json
+Uses PyTorch's own layers, autograd and Adam and shares no line with the C++: two implementations that agree. Needs Debian's python3-torch; run as: ./make_small.py > lifter_losses_small.json
 """
 import json
 import math

@@ -16,24 +16,26 @@ namespace fs = std::filesystem;
 Dataset SolvedDataset(const TrainJob& job, std::size_t number) {
   const Dataset& dataset = job.datasets[number];
   const fs::path file = job.run_folder / fmt::format("solved-{}.h5", number);
-  if (job.resume && fs::exists(file)) {
+  const bool writes = !job.run_folder.empty();
+  if (writes && job.resume && fs::exists(file)) {
     Dataset solved = ReadDataset(file);
     if (solved.Fingerprint() == dataset.Fingerprint()) return solved;
     LogInfo("{} is of other data: solving again", file.string());
   }
   BootstrapOptions bootstrap;
   bootstrap.kind = job.options.bootstrap;
-  bootstrap.run_folder = job.run_folder / fmt::format("bootstrap-{}", number);
+  if (writes) bootstrap.run_folder = job.run_folder / fmt::format("bootstrap-{}", number);
   bootstrap.seed = job.options.seed;
   bootstrap.threads = job.options.threads;
   bootstrap.device = job.options.device;
-  if (!job.resume) fs::remove_all(bootstrap.run_folder);
+  if (writes && !job.resume) fs::remove_all(bootstrap.run_folder);
   const StartPoses start = Bootstrap(dataset, job.data_files[number], bootstrap);
   SolveOptions options;
   options.threads = job.options.threads;
   Dataset solved = dataset;
   const SolveReport report = Solve(solved, start, options);
   LogInfo("{}", report.ToText());
+  if (!writes) return solved;
   WriteFileAtomically(job.run_folder / fmt::format("solved-{}.json", number), report.ToJson());
   WriteDataset(file, solved);
   return solved;

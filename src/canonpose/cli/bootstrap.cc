@@ -4,7 +4,6 @@
 #include <array>
 #include <filesystem>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,7 +11,6 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
-#include "canonpose/base/temporary_folder.h"
 #include "canonpose/lift/lifter.h"
 #include "canonpose/skeleton/mapping.h"
 #include "canonpose/solve/factorisation.h"
@@ -91,7 +89,6 @@ StartPoses LiftWithStarter(const Dataset& dataset, const std::string& device) {
 }
 
 StartPoses BootstrapByMethod(const Dataset& dataset, const std::string& file, const BootstrapOptions& options) {
-  std::optional<TemporaryFolder> scratch;
   TrainJob job;
   job.datasets = {dataset};
   job.data_files = {file};
@@ -99,12 +96,12 @@ StartPoses BootstrapByMethod(const Dataset& dataset, const std::string& file, co
   job.options.seed = options.seed;
   job.options.threads = options.threads;
   job.options.device = options.device;
-  job.run_folder = options.run_folder.empty() ? scratch.emplace().path() : options.run_folder;
+  job.run_folder = options.run_folder;
   job.resume = true;
   LogInfo("training a lifter on {} itself by the method, to start from", file);
   const TrainReport report = Train(job);
   if (report.stopped) throw Error(ErrorKind::kStopped, "stopped while training the lifter to start from");
-  return LiftAll(PoseLifter::Open(job.run_folder, options.device), dataset, file);
+  return LiftAll(PoseLifter::Of(report.model, "the lifter to start from", options.device), dataset, file);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace canonpose {
 struct BootstrapOptions {
   BootstrapKind kind = BootstrapKind::kAuto;
   std::filesystem::path model;  ///< a model or run to start from instead; empty: none
-  /// Where `method` trains; a run that was interrupted there goes on. Empty: a temporary folder.
+  /// Where `method` trains; a run that was interrupted there is continued. Empty: nothing is written.
   std::filesystem::path run_folder;
   std::uint64_t seed = 0;
   int threads = 0;

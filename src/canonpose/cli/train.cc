@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kDefaultPreset = "best";
 
-/// What was given on the command line; what was not keeps the preset's value.
+/// What was given on the command line. Options that were not given keep the preset's values.
 struct TrainArguments {
   std::vector<fs::path> data;
   fs::path run_folder;
@@ -66,7 +66,7 @@ TrainOptions ResolveOptions(const TrainArguments& arguments) {
   if (recorded) {
     for (const std::string& name : options.Differences(*recorded)) {
       ThrowInvalidArgument(
-          "{} was started with {} = {}, not {}: leave the option out to go on with it, or train into another folder",
+          "{} was started with {} = {}, not {}: leave the option out to continue it, or train into another folder",
           arguments.run_folder.string(), name, recorded->Get(name), options.Get(name));
     }
   }
@@ -74,7 +74,7 @@ TrainOptions ResolveOptions(const TrainArguments& arguments) {
   return options;
 }
 
-/// The frames that validation holds out of one copy would be trained on in the other.
+/// Otherwise frames that are held out for validation in one copy would be trained on in the other.
 void RequireDifferentFiles(const std::vector<fs::path>& files) {
   for (std::size_t i = 0; i < files.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -106,15 +106,15 @@ void RunTrain(const TrainArguments& arguments) {
   }
 
   const StopOnSignal stop;
-  const TrainReport report = job.options.preset == "best" ? TrainBest(job) : Train(job);
+  const TrainReport report = job.options.supervision == Supervision::kSolved ? TrainBest(job) : Train(job);
   if (report.stopped) {
-    LogInfo("stopped and saved; to go on, run the same command with --resume");
+    LogInfo("stopped and saved; to continue, run the same command with --resume");
     throw CLI::RuntimeError(stop.exit_code());
   }
   const std::string perspective = job.options.perspective == PerspectiveForm::kLearned
-                                      ? fmt::format(", perspective factor {:.2f}", report.model.perspective)
+                                      ? fmt::format(", perspective factor {:.2f}", report.model.info.perspective)
                                       : "";
-  LogInfo("trained {} steps in {}{}{}; the model is {}", report.model.steps, FormatDuration(report.seconds),
+  LogInfo("trained {} steps in {}{}{}; the model is {}", report.model.info.steps, FormatDuration(report.seconds),
           report.validation_loss ? fmt::format(", validation loss {:.4f}", *report.validation_loss) : "", perspective,
           (job.run_folder / "model.cpm").string());
 }
@@ -150,7 +150,7 @@ void AddTrainCommand(CLI::App& app) {
                       "Train on these cameras only: A,B, or the first N of each sequence");
   command->add_option("--morph", arguments->morph,
                       "Move the detector's joints by this morphing network first (train-morph); the model keeps it");
-  command->add_flag("--resume", arguments->resume, "Go on with the run in the output folder where there is one");
+  command->add_flag("--resume", arguments->resume, "Continue the run in the output folder where there is one");
   command->add_flag("--overwrite", arguments->overwrite, "Replace the run in the output folder");
   command->add_option("--set", arguments->settings, "NAME=VALUE for any training option; they are listed below")
       ->allow_extra_args(false);

@@ -71,15 +71,16 @@ void RunTrainMorph(const TrainMorphArguments& arguments) {
   const StopOnSignal stop;
   const MorphReport report = TrainMorph(job);
   if (report.stopped) {
-    LogInfo("stopped and saved; to go on, run the same command with --resume");
+    LogInfo("stopped and saved; to continue, run the same command with --resume");
     throw CLI::RuntimeError(stop.exit_code());
   }
   LogInfo("joints of held-out poses are off by {:.2f} % of the pose's size, {:.2f} % before; the model is {}",
           report.after_percent, report.before_percent, (job.run_folder / "model.cpm").string());
   if (report.after_percent >= report.before_percent) {
     LogWarning(
-        "the model makes held-out poses worse: do not lift with it; give more poses or --epochs, or lift as the "
-        "detector's joints are");
+        "the model makes held-out poses worse: do not use it. Train with more poses or more --epochs, or lift without "
+        "a "
+        "morphing network");
   }
 }
 
@@ -99,7 +100,7 @@ void AddTrainMorphCommand(CLI::App& app) {
       *command, DescribeMorphOptions(),
       {"epochs", "width", "batch_poses", "learning_rate", "validation", "seed", "threads", "device"},
       [arguments](const std::string& field, const std::string& value) { arguments->options.Set(field, value); });
-  command->add_flag("--resume", arguments->resume, "Go on with the run in the output folder where there is one");
+  command->add_flag("--resume", arguments->resume, "Continue the run in the output folder where there is one");
   command->add_flag("--overwrite", arguments->overwrite, "Replace the run in the output folder");
   command->callback([arguments] { RunTrainMorph(*arguments); });
 }

@@ -11,10 +11,10 @@
 namespace canonpose {
 namespace {
 
-/// Frames of a window that a batch holds together.
+/// Frames of a window that come in one batch.
 constexpr int kRunFrames = 8;
 
-/// A stretch of EpochOrder::frames before they are shuffled.
+/// Frames that stay together in EpochOrder::frames.
 struct Run {
   std::vector<std::size_t> frames;
   std::int64_t window = 0;
@@ -59,7 +59,7 @@ EpochOrder WindowedOrder(const TrainingSet& set, double window_seconds, int run_
   return order;
 }
 
-double WindowLeft(const TrainOptions& options, const Schedule& schedule, std::int64_t step) {
+double WindowFactor(const TrainOptions& options, const Schedule& schedule, std::int64_t step) {
   if (options.camera_consistency != CameraConsistency::kWindow) return 0.0;
   const double end = options.camera_window_end * static_cast<double>(schedule.steps());
   return std::max(0.0, 1.0 - static_cast<double>(step) / end);
@@ -71,9 +71,9 @@ Batch Batches::At(std::int64_t step, std::uint64_t seed) {
     epoch_ = epoch;
     seed_ = seed;
     Rng rng(seed, {stream::kFrameOrder, static_cast<std::uint64_t>(epoch)});
-    const double left = WindowLeft(options_, schedule_, epoch * schedule_.steps_per_epoch);
-    order_ = left > 0.0 ? WindowedOrder(set_, left * options_.camera_window_seconds, kRunFrames, rng)
-                        : ShuffledOrder(set_.frames.size(), rng);
+    const double window = WindowFactor(options_, schedule_, epoch * schedule_.steps_per_epoch);
+    order_ = window > 0.0 ? WindowedOrder(set_, window * options_.camera_window_seconds, kRunFrames, rng)
+                          : ShuffledOrder(set_.frames.size(), rng);
   }
   const auto count = static_cast<std::size_t>(options_.batch_frames);
   const std::size_t first = static_cast<std::size_t>(step % schedule_.steps_per_epoch) * count;

@@ -1,4 +1,4 @@
-// The order in which an epoch goes through the frames of a training set, and the windows of time that its batches hold.
+// The order of the frames in an epoch, and the windows of time that batches take them from.
 #pragma once
 
 #include <cstddef>
@@ -14,26 +14,26 @@ namespace canonpose {
 
 struct EpochOrder {
   std::vector<std::size_t> frames;    ///< every index into TrainingSet::frames once
-  std::vector<std::int64_t> windows;  ///< for each of `frames`, the number of its window; empty without windows
+  std::vector<std::int64_t> windows;  ///< the number of the window of each of `frames`; empty without windows
 };
 
 /// All frames in a random order, without windows.
 EpochOrder ShuffledOrder(std::size_t frame_count, Rng& rng);
 
-/// Runs of up to `run_frames` frames, in a random order; the frames of a run are a random choice among those of one
-/// window, frames of one sequence less than `window_seconds` apart. Windows lie end to end, from a random start.
+/// Cuts sequences into windows of `window_seconds`, end to end from a random start, and every window into runs of up to
+/// `run_frames` random frames. The order is that of the runs, shuffled.
 EpochOrder WindowedOrder(const TrainingSet& set, double window_seconds, int run_frames, Rng& rng);
 
-/// What is left at a step of the window of camera consistency, of its length and of its weight: it falls linearly from
-/// 1 to 0, which it reaches at `camera_window_end`. 0 where camera consistency is not kept within windows.
-double WindowLeft(const TrainOptions& options, const Schedule& schedule, std::int64_t step);
+/// The factor of the length and the weight of the window of camera consistency at a step: it falls linearly from 1 to
+/// 0, which it reaches at `camera_window_end`. 0 without windows.
+double WindowFactor(const TrainOptions& options, const Schedule& schedule, std::int64_t step);
 
 struct Batch {
   std::vector<const TrainingFrame*> frames;
   std::vector<std::int64_t> windows;  ///< of each frame, as in EpochOrder
 };
 
-/// The batches of a run, each a function of its seed and number alone. Refers to what it is made of.
+/// The batches of a run. Each depends on the seed and its number alone. Keeps references.
 class Batches {
  public:
   Batches(const TrainingSet& set, const TrainOptions& options, const Schedule& schedule)

@@ -80,7 +80,7 @@ TEST(WindowedOrder, CameraPairsStayInTheWindow) {
       MakeBatchPairs(
           frames, set.static_captures, true, [&](std::size_t count) { return rng.Permutation(count); }, windows)
           .camera;
-  ASSERT_EQ(pairs.size(), 32U * 2U);  // every frame is lent a rotation, its own by chance
+  ASSERT_EQ(pairs.size(), 32U * 2U);  // every frame gets a rotation, its own by chance
   int own = 0;
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const auto frame = static_cast<std::size_t>(pairs.source[p] / 2);
@@ -95,16 +95,16 @@ TEST(WindowedOrder, CameraPairsStayInTheWindow) {
   EXPECT_NEAR(std::accumulate(pairs.weight.begin(), pairs.weight.end(), 0.0), 4.0, 1e-12);
 }
 
-TEST(WindowLeft, FallsLinearlyToZeroAndIsZeroWithoutWindows) {
+TEST(WindowFactor, FallsLinearlyToZeroAndIsZeroWithoutWindows) {
   TrainOptions options;
   const Schedule schedule{10, 100};
-  EXPECT_EQ(WindowLeft(options, schedule, 0), 0.0);
+  EXPECT_EQ(WindowFactor(options, schedule, 0), 0.0);
   options.camera_consistency = CameraConsistency::kWindow;
   options.camera_window_end = 0.5;
-  EXPECT_EQ(WindowLeft(options, schedule, 0), 1.0);
-  EXPECT_NEAR(WindowLeft(options, schedule, 125), 0.75, 1e-12);
-  EXPECT_EQ(WindowLeft(options, schedule, 500), 0.0);
-  EXPECT_EQ(WindowLeft(options, schedule, 900), 0.0);
+  EXPECT_EQ(WindowFactor(options, schedule, 0), 1.0);
+  EXPECT_NEAR(WindowFactor(options, schedule, 125), 0.75, 1e-12);
+  EXPECT_EQ(WindowFactor(options, schedule, 500), 0.0);
+  EXPECT_EQ(WindowFactor(options, schedule, 900), 0.0);
 }
 
 TEST(Batches, DependOnSeedAndStepAlone) {

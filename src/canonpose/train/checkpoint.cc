@@ -42,7 +42,7 @@ Checkpoint ReadState(const h5::Group& group) {
   checkpoint.parameters = ReadArrays(group.Open("parameters"));
   checkpoint.first_moments = ReadArrays(group.Open("first_moments"));
   checkpoint.second_moments = ReadArrays(group.Open("second_moments"));
-  // Checkpoints of earlier versions know no restarts.
+  // Checkpoints of earlier versions have no restarts.
   if (group.HasAttribute("restart")) checkpoint.restarts.running = static_cast<int>(group.GetInt("restart"));
   if (group.Has("restart_losses")) checkpoint.restarts.losses = group.Read<double>("restart_losses").values;
   if (group.Has("best_restart")) {
@@ -52,6 +52,17 @@ Checkpoint ReadState(const h5::Group& group) {
 }
 
 }  // namespace
+
+EpochSums EpochSums::Mean() const {
+  const auto count = static_cast<double>(steps > 0 ? steps : 1);
+  return {reprojection / count, view / count, camera / count, total / count, steps};
+}
+
+ModelFile ModelOf(const Checkpoint& checkpoint) {
+  ModelFile model{checkpoint.info, checkpoint.parameters};
+  model.parameters.erase(kPerspectiveParameter);
+  return model;
+}
 
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
   h5::File file = h5::File::CreateAt(path);
@@ -70,7 +81,7 @@ Checkpoint ReadCheckpoint(const std::filesystem::path& path) {
   }
   if (const std::int64_t version = root.GetInt("version"); version != kVersion) {
     root.Fail("attribute version", fmt::format("{}", kVersion), fmt::format("{}", version),
-              "it was made by another version of this program: go on with that one or train again");
+              "it was made by another version of this program: resume with that one or train again");
   }
   return ReadState(root);
 }

@@ -20,7 +20,7 @@ using testing::PuppetJob;
 using testing::PuppetShow;
 using testing::TemporaryFolder;
 
-TEST(Distillation, WhatSolveFoundIsLearntAsTruthIs) {
+TEST(Distillation, SolvedPosesAreLearnedAsTrueOnesAre) {
   const TemporaryFolder folder;
   TrainJob truth = PuppetJob(folder.path(), "truth", "supervised");
   truth.options.epochs = 2;
@@ -34,7 +34,7 @@ TEST(Distillation, WhatSolveFoundIsLearntAsTruthIs) {
     view.truth.clear();
   }
   const TrainReport report = Train(solved);
-  EXPECT_EQ(report.model.mirror.decision, "known from the solution");
+  EXPECT_EQ(report.model.info.mirror.decision, "known from the solution");
   const ModelFile from_truth = ReadModelFile(folder / "truth");
   const ModelFile from_solved = ReadModelFile(folder / "solved");
   for (const auto& [name, array] : from_truth.parameters) {
@@ -50,7 +50,7 @@ TEST(Distillation, WhatSolveFoundIsLearntAsTruthIs) {
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(solved); }), HasSubstr("fingerprint"));
 }
 
-TEST(Distillation, UnsureJointsCountLess) {
+TEST(Distillation, UncertainJointsCountLess) {
   Dataset dataset = PuppetShow(20, 2);
   Rng rng(1);
   for (CameraView& view : dataset.sequences[0].cameras) {

@@ -1,7 +1,8 @@
 // Forward pass, losses, gradients and Adam steps against values computed by the method's published implementation.
 //
-// The file has the form described in testdata/golden/README.md. It is, in this order: $CANONPOSE_GOLDEN, the one beside
-// the checkout where it is there, and always the small one of the project's own.
+// The project's own small file is always compared with (testdata/golden/make_small.py, which made it, shows its form);
+// so is a larger one of the same form: $CANONPOSE_GOLDEN or, without it, the one beside the checkout where there is
+// one.
 #include <cmath>
 #include <cstdlib>
 #include <fstream>

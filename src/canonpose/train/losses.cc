@@ -38,7 +38,7 @@ void AddViewPairs(const std::vector<const TrainingFrame*>& frames, const RowTabl
   }
 }
 
-/// The frames of one capture in a batch: row by frame and camera, and which frames may lend each other rotations.
+/// The frames of one capture in a batch: the row of each camera, and which frames may exchange relative rotations.
 struct CaptureRows {
   std::vector<std::vector<std::int64_t>> by_frame;                    // [frame][camera], -1 where missing
   std::map<std::int64_t, std::vector<std::size_t>> frames_of_window;  // indices into by_frame
@@ -189,7 +189,6 @@ Losses ComputeSupervisedLoss(const LifterOutput& output, const BatchTensors& bat
   const torch::Tensor distance = torch::sqrt(squares + 1e-12) * weight;
   Losses losses;
   losses.total = distance.sum() / torch::clamp_min(weight.sum(), 1e-6);
-  losses.reprojection = losses.view = losses.camera = torch::zeros({}, losses.total.options());
   return losses;
 }
 
@@ -199,7 +198,6 @@ Losses MeanLosses(const TrainingSet& set, std::size_t stride,
   constexpr std::size_t kChunk = 512;
   constexpr torch::Tensor Losses::*kAll[] = {&Losses::reprojection, &Losses::view, &Losses::camera, &Losses::total};
   Losses mean;
-  for (const auto loss : kAll) mean.*loss = torch::zeros({}, torch::kFloat64);
   double count = 0.0;
   std::vector<const TrainingFrame*> frames;
   for (std::size_t n = 0; n < set.frames.size(); n += stride) {
@@ -207,11 +205,17 @@ Losses MeanLosses(const TrainingSet& set, std::size_t stride,
     if (frames.size() < kChunk && n + stride < set.frames.size()) continue;
     const Losses losses = compute(frames);
     const auto weight = static_cast<double>(frames.size());
-    for (const auto loss : kAll) mean.*loss += weight * (losses.*loss).item<double>();
+    for (const auto loss : kAll) {
+      if (!(losses.*loss).defined()) continue;
+      const torch::Tensor term = (losses.*loss).to(torch::kFloat64) * weight;
+      mean.*loss = (mean.*loss).defined() ? mean.*loss + term : term;
+    }
     count += weight;
     frames.clear();
   }
-  for (const auto loss : kAll) mean.*loss /= count;
+  for (const auto loss : kAll) {
+    if ((mean.*loss).defined()) mean.*loss = mean.*loss / count;
+  }
   return mean;
 }
 

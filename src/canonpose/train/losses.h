@@ -1,13 +1,21 @@
-// The losses of the method: confidence-weighted reprojection errors of poses and rotations mixed over views and frames.
+// The losses of the method: confidence-weighted reprojection errors of poses and rotations that are exchanged between
+// views and frames ("mixing").
 //
-// Wandt et al., CanonPose, CVPR 2021, equations 3 to 7. Every loss is a weighted sum over pairs p of
+// Wandt et al., CanonPose, CVPR 2021, equations 3 to 7. Every loss is a weighted sum over pairs p of the error
 //
 //   l(p) = 1/(2J) sum_j c_tj ( |dx_j| + |dy_j| ),   d = W_t / |W_t| - q / |q|,   q = Project(M_p X_s)
 //
-// with s the row (a view of a frame) whose pose is used, t the row it is compared with, M_p the rotation that takes it
-// there, and
-// |.| = sqrt(sum of squares / 2J) over the joints seen in t. What differs between the losses is which pairs, rotations
-// and weights.
+//   s    the row (a view of a frame) whose canonical pose X_s is used
+//   t    the row whose keypoints W_t and confidences c_t it is compared with
+//   M_p  the rotation from the canonical pose into that view
+//   |.|  sqrt(sum of squares / 2J) over the joints that are seen in t
+//
+// The losses differ in their pairs, rotations and weights:
+//
+//   loss          s and t                    M_p
+//   reprojection  the same row               R_s
+//   view          two views of a frame       R_t
+//   camera        two views of a frame       R_to R_from^T R_s; `to`, `from`: the same views of another frame
 #pragma once
 
 #include <cstdint>
@@ -29,8 +37,8 @@ struct PairList {
   std::vector<std::int64_t> source;  ///< row whose canonical pose is used
   std::vector<std::int64_t> target;  ///< row it is compared with
   std::vector<double> weight;        ///< weight of the pair in the loss
-  /// Camera consistency only: the pose is first turned into view `source` by its own rotation, then by the relative
-  /// rotation R[to] * R[from]^T of another frame. Empty otherwise, where the rotation is that of `target`.
+  /// Camera consistency only: the rows whose relative rotation R[to] R[from]^T takes the pose from view `source` to
+  /// view `target`. Empty otherwise, where the rotation is that of `target`.
   std::vector<std::int64_t> to;
   std::vector<std::int64_t> from;
 
@@ -44,19 +52,19 @@ struct BatchPairs {
   PairList camera;        ///< sum over captures and source views, mean over frames and the other views
 };
 
-/// For every capture of the batch with more than one frame, every source camera and every window, in that order: the
-/// permutation of the capture's frames in the batch that lie in the window (by their order in the batch).
+/// Called for every capture with more than one frame in the batch, every source camera and every window, in that order:
+/// a permutation of the capture's frames that lie in the window, which says from which frame each gets its rotations.
 using DrawPermutation = std::function<std::vector<std::size_t>(std::size_t count)>;
 
-/// The pairs of `frames` (whose rows are numbered 0 .. in the order of frames and views: row numbers of the batch, not
-/// of the set). Views that are missing leave out the pairs they would take part in. Camera pairs are made where
-/// `static_captures` allows and `with_camera_loss` asks for them. `windows`, where it is given, has the number of a
-/// window for each of `frames`: camera pairs then join frames of one window alone, and cameras may move.
+/// The pairs of `frames`. Rows are numbered from 0 in the order of frames and views: they are rows of the batch, not of
+/// the set. Pairs with a missing view are left out. Camera pairs are made if `with_camera_loss`, for captures with
+/// static cameras. `windows`, if given, has the number of a window for each frame: camera pairs are then made within
+/// windows, and cameras may move.
 BatchPairs MakeBatchPairs(const std::vector<const TrainingFrame*>& frames,
                           const std::vector<std::uint8_t>& static_captures, bool with_camera_loss,
                           const DrawPermutation& draw_permutation, const std::vector<std::int64_t>& windows = {});
 
-/// Makes a row of a batch another; `set_row` is its number in the set.
+/// Changes a row of a batch in place; `set_row` is its number in the set.
 using RowChange = std::function<void(int set_row, const TrainingRow& row)>;
 
 /// Rows of a batch on the device.
@@ -67,8 +75,8 @@ struct BatchTensors {
   torch::Tensor target_weight;  ///< (R, J); undefined where all joints count the same
 };
 
-/// The rows of `frames`, in the order MakeBatchPairs() numbers them. `change`, where there is one, is called for every
-/// row in that order, with its number in the set and its copy in the batch, to make it another.
+/// The rows of `frames`, in the order in which MakeBatchPairs() numbers them. `change`, if given, is called for every
+/// row in that order, with its number in the set and its copy in the batch.
 BatchTensors GatherBatch(const TrainingSet& set, const std::vector<const TrainingFrame*>& frames, torch::Device device,
                          const RowChange& change = {});
 
@@ -78,8 +86,8 @@ struct LossWeights {
   double camera = 0.1;
 };
 
-/// The losses and their weighted sum; scalars. `camera` is 0 without camera pairs. With supervision there is `total`
-/// alone.
+/// The losses and their weighted sum, scalars on the device. `camera` is 0 without camera pairs. Supervised losses have
+/// a `total` alone; the others are undefined.
 struct Losses {
   torch::Tensor reprojection;
   torch::Tensor view;
@@ -99,18 +107,20 @@ torch::Tensor Project(const torch::Tensor& pose_in_camera, const torch::Tensor& 
 torch::Tensor PairErrors(const torch::Tensor& projected, const torch::Tensor& keypoints,
                          const torch::Tensor& confidence);
 
-/// The loss of supervised training, scale-free as N-MPJPE is: the mean distance of joints, weighted where the
-/// batch has weights, between P / |P| and the target, P the pose in the camera centred on the root, |.| the Frobenius
-/// norm over the joints whose target is known.
+/// The loss of supervised training: the mean distance of joints, weighted if the batch has weights, between P / |P| and
+/// the target. P is the pose in the camera, centred on the root, and |.| the Frobenius norm over the joints whose
+/// target is known. Like N-MPJPE it does not depend on scale.
 Losses ComputeSupervisedLoss(const LifterOutput& output, const BatchTensors& batch, int root);
 
-/// The mean over every `stride`-th frame of a set of `compute`, the losses of some frames; without gradients.
+/// The mean over every `stride`-th frame of a set, in double; `compute` returns the losses of some frames. Without
+/// gradients, and without waiting for the device.
 Losses MeanLosses(const TrainingSet& set, std::size_t stride,
                   const std::function<Losses(const std::vector<const TrainingFrame*>& frames)>& compute);
 
-/// Gives all joints that are seen the confidence 1.
+/// Sets the confidence of all joints that are seen to 1.
 void WeighSeenJointsAlike(BatchTensors& batch);
 
+/// The losses of the method for a batch. `perspective` as in Project().
 Losses ComputeLosses(const LifterOutput& output, const BatchTensors& batch, const BatchPairs& pairs,
                      const LossWeights& weights, const torch::Tensor& perspective, int root,
                      Consistency consistency = Consistency::kMixing);

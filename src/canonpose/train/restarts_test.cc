@@ -84,7 +84,7 @@ void ExpectSameParameters(const std::filesystem::path& a, const std::filesystem:
   EXPECT_EQ(one.info.mirror.slope, other.info.mirror.slope);
 }
 
-TEST(BestRestart, IsTheLeastAndTheFirstOfEquals) {
+TEST(BestRestart, IsTheSmallestAndTheFirstAmongEquals) {
   EXPECT_EQ(BestRestart({3.0}), 0);
   EXPECT_EQ(BestRestart({3.0, 1.0, 2.0, 1.0}), 1);
 }
@@ -104,7 +104,7 @@ TEST(RestartPlan, CountsTheStepsOfAllAndNeverMoreThanTheRunHas) {
   EXPECT_FALSE(RestartPlan(1, 100, 1000).IsRunning({}));
 }
 
-TEST(Restarts, GoOnWithTheRunOfTheLeastLossAsIfItWereAlone) {
+TEST(Restarts, ContinueWithTheRunOfTheSmallestLossAsIfItWereAlone) {
   const TemporaryFolder folder;
   const TrainJob job = RestartJob(folder, "restarts");
   Train(job);
@@ -167,7 +167,7 @@ TEST(Restarts, AsLongAsTheRunChooseAmongWholeRuns) {
   TrainJob job = RestartJob(folder, "run");
   job.options.epochs = 2;
   job.options.restart_steps = 1000;
-  EXPECT_EQ(Train(job).model.steps, 14);
+  EXPECT_EQ(Train(job).model.info.steps, 14);
   EXPECT_EQ(Metrics(job.run_folder).size(), 4U);
 }
 

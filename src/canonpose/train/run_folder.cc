@@ -1,14 +1,14 @@
 #include "canonpose/train/run_folder.h"
 
+#include <cstdint>
 #include <sstream>
-#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
-#include "canonpose/train/checkpoint.h"
 
 namespace canonpose {
 
@@ -16,13 +16,14 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 void PrepareRunFolder(const fs::path& folder, bool resume, bool overwrite) {
+  if (folder.empty()) return;
   MakeDirectory(folder);
   const bool holds_checkpoint = fs::exists(folder / "checkpoint.h5");
   const bool holds_run = fs::exists(folder / "model.cpm") || holds_checkpoint;
-  const bool goes_on = resume && holds_checkpoint;
-  if (holds_run && !goes_on && !overwrite) {
+  const bool continues = resume && holds_checkpoint;
+  if (holds_run && !continues && !overwrite) {
     ThrowInvalidArgument(
-        "{} holds a training run already; add `resume` to go on with it, `overwrite` to replace it, or choose another "
+        "{} already holds a training run; add `resume` to continue it, `overwrite` to replace it, or choose another "
         "folder",
         folder.string());
   }
@@ -35,8 +36,33 @@ void PrepareRunFolder(const fs::path& folder, bool resume, bool overwrite) {
   }
 }
 
-void DropLaterMetrics(const fs::path& path, std::int64_t step, int restarts_finished) {
-  if (!fs::exists(path)) return;
+RunFolder::RunFolder(fs::path path, bool resume, bool overwrite) : path_(std::move(path)) {
+  PrepareRunFolder(path_, resume, overwrite);
+  resumes_ = exists() && resume && fs::exists(path_ / "checkpoint.h5");
+}
+
+std::optional<Checkpoint> RunFolder::ReadCheckpointToResume() const {
+  if (!resumes_) return std::nullopt;
+  return ReadCheckpoint(path_ / "checkpoint.h5");
+}
+
+void RunFolder::WriteCheckpoint(const Checkpoint& checkpoint) const {
+  if (exists()) canonpose::WriteCheckpoint(path_ / "checkpoint.h5", checkpoint);
+}
+
+void RunFolder::WriteModel(const ModelFile& model) const {
+  if (exists()) WriteModelFile(path_ / "model.cpm", model);
+}
+
+void RunFolder::RemoveOldRecords() const {
+  if (!exists() || resumes_) return;
+  for (const char* name : {"metrics.jsonl", "train.log"}) fs::remove(path_ / name);
+}
+
+void RunFolder::DropLaterMetrics(const Checkpoint& checkpoint) const {
+  const fs::path path = path_ / "metrics.jsonl";
+  if (!exists() || !fs::exists(path)) return;
+  const auto restarts_finished = static_cast<int>(checkpoint.restarts.losses.size());
   std::istringstream lines(ReadFile(path));
   std::string kept;
   for (std::string line; std::getline(lines, line);) {
@@ -44,18 +70,29 @@ void DropLaterMetrics(const fs::path& path, std::int64_t step, int restarts_fini
     if (!json.is_object()) continue;
     const bool is_before = json.contains("restart")
                                ? json.value("restart", 0) < restarts_finished
-                               : json.contains("step") && json.value("step", std::int64_t{0}) <= step;
+                               : json.contains("step") && json.value("step", std::int64_t{0}) <= checkpoint.info.steps;
     if (is_before) kept += line + "\n";
   }
   WriteFileAtomically(path, kept);
 }
 
-std::string KeepLastGoodModel(const fs::path& folder, const std::vector<std::string>& other_parameters) {
-  if (!fs::exists(folder / "checkpoint.h5")) return "no good model was made";
-  Checkpoint last_good = ReadCheckpoint(folder / "checkpoint.h5");
-  for (const std::string& name : other_parameters) last_good.parameters.erase(name);
-  const fs::path model = folder / "model.cpm";
-  if (last_good.info.steps > 0 || !fs::exists(model)) WriteModelFile(model, {last_good.info, last_good.parameters});
+void RunFolder::AddMetrics(const std::string& line) const {
+  if (exists()) AppendLine(path_ / "metrics.jsonl", line);
+}
+
+void RunFolder::OpenLog() {
+  if (exists()) log_ = std::make_unique<LogFile>(path_ / "train.log");
+}
+
+void RunFolder::WriteLog(const std::string& text) {
+  if (log_) log_->Write(text);
+}
+
+std::string RunFolder::KeepLastGoodModel() const {
+  if (!exists() || !fs::exists(path_ / "checkpoint.h5")) return "no good model was made";
+  const ModelFile last_good = ModelOf(ReadCheckpoint(path_ / "checkpoint.h5"));
+  const fs::path model = path_ / "model.cpm";
+  if (last_good.info.steps > 0 || !fs::exists(model)) WriteModelFile(model, last_good);
   return fmt::format("the last good model, of step {}, is in {}", last_good.info.steps, model.string());
 }
 

@@ -1,24 +1,63 @@
-// The folder of a training run: keeping what is there from being lost.
+// The folder of a training run, in which nothing good is lost; and runs without a folder.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
-#include <vector>
+
+#include "canonpose/base/log.h"
+#include "canonpose/train/checkpoint.h"
 
 namespace canonpose {
 
-/// Makes the folder and removes what kills left half-written. Throws Error(kInvalidArgument) where it holds a run and
-/// neither `resume` nor `overwrite` says what to do with it.
+/// Makes the folder and removes half-written files that killed runs left. Throws Error(kInvalidArgument) where it holds
+/// a run and neither `resume` nor `overwrite` says what to do with it. An empty path is no folder: nothing is done.
 void PrepareRunFolder(const std::filesystem::path& folder, bool resume, bool overwrite);
 
-/// Removes the lines of metrics.jsonl that lie after a checkpoint's step and those of restarts that were not finished
-/// then: they will be written again.
-void DropLaterMetrics(const std::filesystem::path& path, std::int64_t step, int restarts_finished);
+/// What a run writes, and reads when it is resumed:
+///
+///   RUN/model.cpm       the model, written when training is done
+///   RUN/checkpoint.h5   to resume from
+///   RUN/metrics.jsonl   one line per epoch
+///   RUN/train.log       the messages of the run
+///
+/// With an empty path nothing is written, and there is nothing to resume.
+class RunFolder {
+ public:
+  /// Prepares the folder, see above.
+  RunFolder(std::filesystem::path path, bool resume, bool overwrite);
 
-/// Makes model.cpm of the checkpoint, where there is one, and says so: "the last good model, of step 7, is in ...". An
-/// untrained network is no reason to replace a model that an earlier run left there. `other_parameters`: parameters of
-/// the checkpoint that a model has not.
-std::string KeepLastGoodModel(const std::filesystem::path& folder, const std::vector<std::string>& other_parameters);
+  [[nodiscard]] bool exists() const { return !path_.empty(); }
+  /// Its path, for messages.
+  [[nodiscard]] std::string checkpoint_file() const { return (path_ / "checkpoint.h5").string(); }
+
+  /// The checkpoint that the run continues from; nothing where it starts afresh.
+  [[nodiscard]] std::optional<Checkpoint> ReadCheckpointToResume() const;
+  void WriteCheckpoint(const Checkpoint& checkpoint) const;
+  void WriteModel(const ModelFile& model) const;
+
+  /// Removes metrics and log of an earlier run, unless this one continues it. Its model and checkpoint stay until this
+  /// run replaces them by its own.
+  void RemoveOldRecords() const;
+  /// Removes the lines of metrics.jsonl that were written after a checkpoint, and those of restarts that were not
+  /// finished then: they will be written again.
+  void DropLaterMetrics(const Checkpoint& checkpoint) const;
+  void AddMetrics(const std::string& line) const;
+
+  /// From here on this thread's messages are written to train.log, too.
+  void OpenLog();
+  /// Writes to train.log alone, where it is open.
+  void WriteLog(const std::string& text);
+
+  /// Makes model.cpm of the checkpoint, where there is one, and says so: "the last good model, of step 7, is in ...".
+  /// An untrained network is no reason to replace a model that an earlier run left there.
+  [[nodiscard]] std::string KeepLastGoodModel() const;
+
+ private:
+  std::filesystem::path path_;
+  bool resumes_ = false;
+  std::unique_ptr<LogFile> log_;
+};
 
 }  // namespace canonpose

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "canonpose/base/error.h"
-#include "canonpose/base/temporary_folder.h"
 #include "canonpose/model/tensors.h"
 #include "canonpose/train/augmentation.h"
 #include "canonpose/train/losses.h"
@@ -41,7 +40,7 @@ std::vector<StarterRecipe> ByLayout(const StarterRecipe& recipe) {
   return recipes;
 }
 
-/// Mean over the keypoints in pixels, and over the joints in millimetres, of how far they are from the origin.
+/// Mean distance from the origin of the keypoints, in pixels, and of the joints, in millimetres.
 std::pair<double, double> MeanDistances(const Dataset& dataset) {
   double keypoints = 0.0;
   double joints = 0.0;
@@ -75,18 +74,16 @@ double SupervisedLossOf(const ModelFile& starter, const Dataset& dataset, const 
 }  // namespace
 
 std::string StarterCard::ToJson() const {
-  const Json json = {{"recipe", Json::parse(recipe)},
-                     {"people", people},
-                     {"brief_loss", brief_loss},
-                     {"unseen_error", unseen_error}};
+  const Json json = {
+      {"recipe", Json::parse(recipe)}, {"people", people}, {"brief_loss", brief_loss}, {"unseen_error", unseen_error}};
   return json.dump(1) + "\n";
 }
 
 StarterCard StarterCard::FromJson(const std::string& text, const std::string& file) {
   try {
     const Json json = Json::parse(text);
-    return {json.at("recipe").dump(), json.at("people").get<std::vector<double>>(),
-            json.at("brief_loss").get<double>(), json.at("unseen_error").get<std::vector<double>>()};
+    return {json.at("recipe").dump(), json.at("people").get<std::vector<double>>(), json.at("brief_loss").get<double>(),
+            json.at("unseen_error").get<std::vector<double>>()};
   } catch (const Json::exception&) {
     ThrowBadInput({file, "", "the card of a starter as JSON", "another text", "make it again: scripts/make-starter"});
   }
@@ -103,12 +100,10 @@ StarterCard MakeStarterCard(const StarterRecipe& recipe, const ModelFile& starte
     unseen.capture.seed = kUnseenSeed;
     card.unseen_error.push_back(SupervisedLossOf(starter, StarterPeople(unseen), recipe.training));
   }
-  const TemporaryFolder folder;
   TrainJob job;
   job.datasets.push_back(StarterPeople(brief));
   job.data_files = {"simulated people"};
   job.options = brief.training;
-  job.run_folder = folder / "brief";
   card.brief_loss = Train(job).validation_loss.value();
   return card;
 }

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <filesystem>
+#include <iterator>
 #include <sstream>
 
 #include <Eigen/Geometry>
@@ -32,7 +34,7 @@ using testing::kJoints;
 using testing::PuppetShow;
 using testing::StoppedAfter;
 
-/// A puppet that does not turn, before cameras around it whose calibration is known.
+/// A puppet that does not rotate, with calibrated cameras around it.
 Dataset CalibratedRing(int frames, int cameras) {
   Dataset dataset = PuppetShow(frames, cameras);
   for (std::size_t c = 0; c < dataset.sequences[0].cameras.size(); ++c) {
@@ -59,7 +61,7 @@ Dataset CalibratedRing(int frames, int cameras) {
 }
 
 /// Correlation of predicted with true depths relative to the root, over all joints, frames and views: near 1 for the
-/// right solution, near -1 for its mirror.
+/// right solution, near -1 for its mirror image.
 double DepthCorrelation(LiftingNetwork& lifter, const Dataset& dataset) {
   const torch::NoGradGuard no_grad;
   const TrainingSplit split = MakeTrainingSplit({dataset}, 0.0);
@@ -105,7 +107,7 @@ TEST(MakeTrainingSplit, HoldsOutTheEndOfEveryStretchAndLeavesOutLoneViews) {
   EXPECT_EQ(split.training.frames[7].views[0].camera, 1);
 }
 
-TEST(MakeTrainingSplit, KeepsTheTurnOfEveryRow) {
+TEST(MakeTrainingSplit, KeepsTheRotationOfEveryRow) {
   Dataset dataset = PuppetShow(20, 3);
   for (CameraView& view : dataset.sequences[0].cameras) {  // the puppet walks through the picture
     for (std::size_t i = 0; i < view.keypoints.size(); ++i) {
@@ -149,7 +151,47 @@ TEST(Train, SameSeedSameBitsAndAnotherSeedOthers) {
   EXPECT_NE(ReadFile(folder / "a/model.cpm"), ReadFile(folder / "c/model.cpm"));
 }
 
-/// Learns from the truth with everything that training on poses can do.
+TEST(Train, WithoutAFolderTheModelIsReturnedAndNothingIsWritten) {
+  const TemporaryFolder folder;
+  const TrainReport written = Train(Job(folder, "run"));
+  const ModelFile read = ReadModelFile(folder / "run");
+  TrainJob job = Job(folder, "run");
+  job.run_folder.clear();
+  job.resume = true;  // there is nothing to resume
+  const auto working_folder = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  const TrainReport returned = Train(job);
+  job.options.learning_rate = 1e38;
+  const std::string failure = ErrorOf(ErrorKind::kComputation, [&] { Train(job); });
+  std::filesystem::current_path(working_folder);
+  EXPECT_THAT(failure, HasSubstr("no good model was made"));
+  const auto entries = std::filesystem::directory_iterator(folder.path());
+  EXPECT_EQ(std::distance(begin(entries), end(entries)), 1) << "the run with a folder";
+  for (const ModelFile* model : {&written.model, &read}) {
+    EXPECT_EQ(returned.model.info.steps, model->info.steps);
+    EXPECT_EQ(returned.model.info.mirror.decision, model->info.mirror.decision);
+    ASSERT_EQ(returned.model.parameters.size(), model->parameters.size());
+    for (const auto& [name, array] : model->parameters) {
+      EXPECT_EQ(returned.model.parameters.at(name).values, array.values) << name;
+    }
+  }
+}
+
+TEST(Train, ThePresetsNameIsOnlyRecorded) {
+  const TemporaryFolder folder;
+  TrainJob job = Job(folder, "paper", "paper");
+  job.options.epochs = 2;
+  Train(job);
+  job.run_folder = folder / "best";
+  job.options.preset = "best";
+  EXPECT_EQ(Train(job).model.info.preset, "best");
+  EXPECT_EQ(ReadModelFile(folder / "paper").parameters.at("upscale.weight").values,
+            ReadModelFile(folder / "best").parameters.at("upscale.weight").values);
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(Job(folder, "unsolved", "best")); }),
+              HasSubstr("run `canonpose solve` first"));
+}
+
+/// Learns from the truth with every option of supervised training.
 TrainJob AugmentedJob(const TemporaryFolder& folder, const std::string& name) {
   TrainJob job = Job(folder, name, "best");
   job.datasets = {CalibratedShow(40, 3)};
@@ -162,7 +204,8 @@ TrainJob AugmentedJob(const TemporaryFolder& folder, const std::string& name) {
   return job;
 }
 
-/// Learns from moving views alone with what goes together with windows, which close before the end.
+/// Learns from the views of moving cameras with everything that windows can be combined with; they close before the
+/// end.
 TrainJob WindowedJob(const TemporaryFolder& folder, const std::string& name) {
   TrainJob job = Job(folder, name);
   job.datasets[0].sequences[0].static_cameras = false;
@@ -206,7 +249,7 @@ TEST_P(TrainInPieces, InterruptedAndResumedGivesTheSameBitsAndMetrics) {
       ++interruptions;
     } else if (interruptions > 0) {
       break;
-    } else {  // the signal came too early to be heeded: once more, with a later one
+    } else {  // it was to stop too early or too late: once more, at a later step
       std::filesystem::remove_all(job.run_folder);
     }
   }
@@ -236,10 +279,10 @@ TEST(Train, LearnsTheBodyTheRightWayRoundForEverySeed) {
     job.options.batch_frames = 32;
     job.options.learning_rate = 2e-3;
     const TrainReport report = Train(job);
-    flipped += report.model.mirror.decision == "flipped" ? 1 : 0;
-    EXPECT_NE(report.model.mirror.decision, "undecided") << seed;
-    EXPECT_GT(report.model.perspective, 0.2) << seed;
-    EXPECT_EQ(report.model.trap.verdict, "right") << seed;
+    flipped += report.model.info.mirror.decision == "flipped" ? 1 : 0;
+    EXPECT_NE(report.model.info.mirror.decision, "undecided") << seed;
+    EXPECT_GT(report.model.info.perspective, 0.2) << seed;
+    EXPECT_EQ(report.model.info.trap.verdict, "right") << seed;
 
     const auto lifter = MakeLifter(ReadModelFile(job.run_folder), "model.cpm", torch::kCPU);
     EXPECT_GT(DepthCorrelation(*lifter, job.datasets[0]), 0.95) << seed;
@@ -263,7 +306,7 @@ TEST(Train, WithACalibrationDepthsAreLearnedFromTriangulatedPoses) {
   job.options.epochs = 150;
   job.options.learning_rate = 2e-3;
   const TrainReport report = Train(job);
-  EXPECT_EQ(report.model.mirror.decision, "known from the calibration");
+  EXPECT_EQ(report.model.info.mirror.decision, "known from the calibration");
   const auto lifter = MakeLifter(ReadModelFile(job.run_folder), "model.cpm", torch::kCPU);
   EXPECT_GT(DepthCorrelation(*lifter, CalibratedRing(60, 3)), 0.9);
 
@@ -282,8 +325,8 @@ TEST(Train, WithTruthDepthsAreLearnedTheRightWayRound) {
   job.options.epochs = 150;
   job.options.learning_rate = 2e-3;
   const TrainReport report = Train(job);
-  EXPECT_EQ(report.model.mirror.decision, "known from the truth");
-  EXPECT_EQ(report.model.trap.verdict, "");
+  EXPECT_EQ(report.model.info.mirror.decision, "known from the truth");
+  EXPECT_EQ(report.model.info.trap.verdict, "");
   const auto lifter = MakeLifter(ReadModelFile(job.run_folder), "model.cpm", torch::kCPU);
   EXPECT_GT(DepthCorrelation(*lifter, PuppetShow(120, 2, /*seed=*/2)), 0.9);
 
@@ -291,7 +334,7 @@ TEST(Train, WithTruthDepthsAreLearnedTheRightWayRound) {
   job.datasets = {PuppetShow(40, 1)};
   job.run_folder = folder / "one";
   job.options.epochs = 1;
-  EXPECT_EQ(Train(job).model.steps, 5);
+  EXPECT_EQ(Train(job).model.info.steps, 5);
 }
 
 TEST(Train, SupervisionWithoutTruthIsRefused) {
@@ -360,8 +403,8 @@ TEST(Train, MirrorByRequestIsTheExactMirror) {
   keep.options.mirror = MirrorHandling::kKeep;
   TrainJob flip = Job(folder, "flip", "paper");
   flip.options.mirror = MirrorHandling::kFlip;
-  EXPECT_EQ(Train(keep).model.mirror.decision, "kept by request");
-  EXPECT_EQ(Train(flip).model.mirror.decision, "flipped by request");
+  EXPECT_EQ(Train(keep).model.info.mirror.decision, "kept by request");
+  EXPECT_EQ(Train(flip).model.info.mirror.decision, "flipped by request");
   const auto kept = MakeLifter(ReadModelFile(folder / "keep"), "", torch::kCPU);
   const auto flipped = MakeLifter(ReadModelFile(folder / "flip"), "", torch::kCPU);
   kept->Mirror();
@@ -370,7 +413,7 @@ TEST(Train, MirrorByRequestIsTheExactMirror) {
   }
 }
 
-TEST(Train, LossThatIsNoNumberStopsWithTheLastGoodModelKept) {
+TEST(Train, ALossThatIsNotFiniteStopsTrainingAndKeepsTheLastGoodModel) {
   const TemporaryFolder folder;
   TrainJob job = Job(folder, "run");
   job.options.learning_rate = 1e30;

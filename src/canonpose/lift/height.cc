@@ -16,7 +16,7 @@ struct HeadJoint {
   double height;
 };
 
-/// What may end the path upwards, best first. A head joint is taken to be the top of the head.
+/// Joints that the path may end in at the top, best first. A head joint is taken to be the top of the head.
 constexpr HeadJoint kHeads[] = {{"HeadTop", 1.0}, {"top_head", 1.0}, {"Head", 1.0}, {"Nose", 0.91}};
 constexpr const char* kAnkles[][2] = {{"LFoot", "RFoot"}, {"LAnkle", "RAnkle"}, {"LAnk", "RAnk"}, {"lfoot", "rfoot"}};
 
@@ -67,10 +67,11 @@ void ScaleToHeight(LiftedPoses& poses, const Skeleton& skeleton, double height_m
     right = skeleton.Find(pair[1]).value_or(-1);
   }
   if (head < 0 || left < 0 || right < 0) {
-    ThrowBadInput({"`height`", "", "a skeleton with ankles and a head", "none in the model's", "leave `height` out"});
+    ThrowBadInput({"`height`", "", "a skeleton with ankles and a head", "a model whose skeleton lacks them",
+                   "leave `height` out"});
   }
   const std::size_t stride = static_cast<std::size_t>(poses.joint_count) * 3;
-  std::vector<double> ratios;  // path from ankle to head over the sum of bones
+  std::vector<double> ratios;  // length of the path from ankle to head / sum of all bones
   for (std::size_t t = 0; t < static_cast<std::size_t>(poses.frame_count); ++t) {
     const float* pose = &poses.pose_in_camera[t * stride];
     if (!std::isfinite(pose[0])) continue;

@@ -1,4 +1,4 @@
-// A trained model at work: 2D poses of one camera in, 3D poses out. No LibTorch in this header.
+// Applies a trained model: 2D poses of one camera in, 3D poses out. No LibTorch in this header.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 
 namespace canonpose {
 
-/// 3D poses of T frames in the network's unit, each in a scale of its own; NaN in frames whose 2D pose cannot be used
-/// (geometry/normalisation.h). Root-centred: pose_in_camera = rotation * canonical.
+/// 3D poses of T frames, centred on the root: pose_in_camera = rotation * canonical. They are in the network's unit,
+/// and every pose has a scale of its own. NaN in frames whose 2D pose cannot be normalised (geometry/normalisation.h).
 struct LiftedPoses {
   int frame_count = 0;
   int joint_count = 0;
@@ -27,7 +27,7 @@ class PoseLifter {
  public:
   /// Opens a model file or the folder of a finished run. `device` is cpu or cuda. Throws Error(kBadInput).
   static PoseLifter Open(const std::filesystem::path& run_or_model, const std::string& device = "cpu");
-  /// A lifter of a model that was read already; errors call it `name`.
+  /// From a model in memory; errors call it `name`.
   static PoseLifter Of(ModelFile model, const std::string& name, const std::string& device = "cpu");
   ~PoseLifter();
   PoseLifter(PoseLifter&&) noexcept;
@@ -36,7 +36,8 @@ class PoseLifter {
   [[nodiscard]] const ModelInfo& info() const;
   [[nodiscard]] const Skeleton& skeleton() const { return info().skeleton; }
 
-  /// Lifts the T frames of a view whose joints are those of skeleton(), as the detector found them.
+  /// Lifts the T frames of a view. Its joints are those of skeleton(), as detected: a morphing network that the model
+  /// was trained with is applied here.
   [[nodiscard]] LiftedPoses Lift(const CameraView& view, int frame_count) const;
 
   /// Throws Error(kBadInput) naming `file` where data of `other` cannot be lifted by this model.
@@ -44,25 +45,25 @@ class PoseLifter {
 
  private:
   struct State;
-  /// What Lift() does with a view that went through the model's morphing network, where it has one.
+  /// Lift() for a view whose joints are morphed already, or need not be.
   [[nodiscard]] LiftedPoses LiftMorphed(const CameraView& view, int frame_count) const;
   explicit PoseLifter(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 
-/// Turns every pose to millimetres of a person `height_mm` tall: each pose gets the same sum of bone lengths, and the
-/// person's stature is the median over frames of the path from an ankle over the hips to the head, which are 3.9 %
-/// and, for a head joint, 100 % of the stature above ground (Winter, Biomechanics and Motor Control of Human Movement).
-/// Throws Error(kBadInput) where the skeleton has no such path.
+/// Scales all poses to millimetres, for a person of stature `height_mm`. Every pose gets the same sum of bone lengths,
+/// such that the median length over frames of the path from an ankle over the hips to the head is the difference of
+/// their heights: an ankle is at 3.9 % of the stature, a head joint at 100 % (Winter, Biomechanics and Motor Control of
+/// Human Movement). Throws Error(kBadInput) where the skeleton has no such path.
 void ScaleToHeight(LiftedPoses& poses, const Skeleton& skeleton, double height_mm);
 
-/// The least window of Smooth().
+/// The smallest window of Smooth(), in frames.
 inline constexpr int kMinSmoothing = 5;
 
-/// Replaces every pose by the middle of the quadratics in time that fit each coordinate best over `window_frames`
-/// frames (Savitzky and Golay 1964; at gaps and ends over those that there are); canonical poses follow, rotations
-/// stay. `frames` (T, ascending) are the frames' numbers. A frame that is NaN stays so and has no part; so does one
-/// with too few frames around it keep its pose.
+/// Smooths poses over time (Savitzky and Golay 1964): for every frame and coordinate, a quadratic is fitted to
+/// `window_frames` frames around it, fewer at gaps and ends, and evaluated at the frame. Canonical poses follow,
+/// rotations stay. `frames` (T, ascending) are the numbers of the frames. Frames that are NaN stay NaN and take no
+/// part; frames with too few others around them keep their poses.
 void Smooth(LiftedPoses& poses, std::span<const std::int64_t> frames, int window_frames);
 
 }  // namespace canonpose

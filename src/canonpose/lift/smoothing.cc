@@ -9,8 +9,7 @@
 namespace canonpose {
 namespace {
 
-/// Weights with which frames at times `t` (relative to the one wanted) make the value at 0 of the quadratic nearest to
-/// them.
+/// Weights w such that w . y is the value at time 0 of the quadratic that fits values y at times `t` best.
 Eigen::VectorXd QuadraticWeights(const Eigen::VectorXd& t) {
   Eigen::MatrixXd powers(t.size(), 3);
   powers << Eigen::VectorXd::Ones(t.size()), t, t.array().square().matrix();
@@ -33,7 +32,7 @@ void Smooth(LiftedPoses& poses, std::span<const std::int64_t> frames, int window
       const auto other = static_cast<std::size_t>(n);
       if (std::isfinite(before[other * values]) && std::abs(frames[other] - frames[at]) <= half) near.push_back(other);
     }
-    // A quadratic through hardly more than three frames smooths nothing.
+    // With hardly more than three frames, a quadratic passes through the values and smooths nothing.
     if (near.size() < static_cast<std::size_t>(kMinSmoothing)) continue;
     Eigen::VectorXd times(static_cast<Eigen::Index>(near.size()));
     for (std::size_t i = 0; i < near.size(); ++i) {

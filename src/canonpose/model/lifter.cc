@@ -11,7 +11,7 @@ constexpr double kLeakySlope = 0.01;
 constexpr double kSmallestSquaredAngle = 1e-4;
 constexpr double kSmallestSquaredLength = 1e-12;
 
-/// In place: no layer needs what it gave before, and half of the memory traffic of small layers goes.
+/// In place, which halves the memory traffic of small layers; no layer needs its output from before the activation.
 torch::Tensor LeakyRelu(torch::Tensor x) { return torch::leaky_relu_(x, kLeakySlope); }
 
 /// (B, 3) -> (B, 3) of length 1.

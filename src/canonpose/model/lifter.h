@@ -1,4 +1,4 @@
-// The lifting network: a 2D pose becomes a canonical 3D pose and the rotation that turns it towards the camera.
+// The lifting network: from a 2D pose to a canonical 3D pose and the rotation that takes it into the camera's frame.
 //
 // Wandt et al., "CanonPose: Self-Supervised Monocular 3D Human Pose Estimation in the Wild", CVPR 2021, section 3.
 #pragma once
@@ -18,16 +18,16 @@ struct LifterOutput {
   torch::Tensor rotation;    ///< (B, 3, 3) camera_from_canonical: pose_in_camera = rotation * pose
 };
 
-/// Rotation matrices of rotation vectors: (B, 3) -> (B, 3, 3). R = I + sin(t) K + (1 - cos(t)) K^2 with K the
-/// cross-product matrix of r / t and t^2 = max(|r|^2, 1e-4), the clamp of the published implementation.
+/// Rotation matrices of rotation vectors r: (B, 3) -> (B, 3, 3). R = I + sin(t) K + (1 - cos(t)) K^2 with K the
+/// cross-product matrix of r / t and t^2 = max(|r|^2, 1e-4), as the published implementation clamps it.
 torch::Tensor Rodrigues(const torch::Tensor& axis_angle);
 
-/// Rotation matrices of two vectors each: (B, 6) = (a, b) -> (B, 3, 3) with columns a / |a|, the part of b across it
-/// made a unit vector, and their cross product. Continuous, which no form with three numbers is: Zhou et al., "On the
-/// Continuity of Rotation Representations in Neural Networks", CVPR 2019, equation 15.
+/// Rotation matrices of pairs of vectors: (B, 6) = (a, b) -> (B, 3, 3). The columns are a / |a|, the normalised part of
+/// b that is orthogonal to a, and their cross product. Unlike any form with three numbers it is continuous: Zhou et
+/// al., "On the Continuity of Rotation Representations in Neural Networks", CVPR 2019, equation 15.
 torch::Tensor RotationFromSix(const torch::Tensor& six);
 
-/// What training and lifting know of a network.
+/// What training and lifting need to know about a lifter.
 class LiftingNetwork : public torch::nn::Module {
  public:
   /// `input` is (B, 3J): x of all joints, y of all joints, confidences.
@@ -35,26 +35,27 @@ class LiftingNetwork : public torch::nn::Module {
 
   [[nodiscard]] int joint_count() const { return joint_count_; }
 
-  /// Draws all parameters from our own generator: the same on every machine and version.
+  /// Draws all parameters with our own generator: the same numbers on every machine and version.
   virtual void Initialise(std::uint64_t seed) = 0;
 
-  /// Multiplies the weights and the bias of the last rotation layer, where there is one: an untrained network's
-  /// rotations are then as much more spread out.
+  /// Multiplies the weights and the bias of the last rotation layer, so that an untrained network's rotations are
+  /// spread out by that factor.
   virtual void ScaleRotations(double factor) = 0;
 
-  /// Turns the network into its depth mirror, exactly: with F = diag(1, 1, -1) every pose X becomes F X and every
-  /// rotation F R F, so that each 2D reprojection stays as it is and each depth changes sign.
+  /// Turns the network into its mirror image in depth, exactly: with F = diag(1, 1, -1) every pose X becomes F X and
+  /// every rotation R becomes F R F, so that each reprojection stays the same and each depth changes its sign.
   void Mirror();
 
-  /// Applies Mirror()'s signs to a tensor that belongs to the parameter `name` (an optimiser's first moment); others
-  /// are untouched.
+  /// Applies the sign changes of Mirror() to a tensor shaped like the parameter `name`, such as an optimiser's first
+  /// moment.
   virtual void MirrorRows(const std::string& name, torch::Tensor& tensor) const = 0;
 
  protected:
   LiftingNetwork(int joint_count, ConfidenceInput confidences) : joint_count_(joint_count), confidences_(confidences) {}
 
-  /// The columns of the input as the network sees them, and how many.
+  /// The part of the input that the network sees, in the form in which it sees it.
   [[nodiscard]] torch::Tensor Seen(const torch::Tensor& input) const;
+  /// The number of its columns.
   [[nodiscard]] std::int64_t input_size() const {
     return (confidences_ == ConfidenceInput::kNone ? 2 : 3) * joint_count_;
   }
@@ -76,9 +77,9 @@ class ResidualBlockImpl : public torch::nn::Module {
 };
 TORCH_MODULE(ResidualBlock);
 
-/// Fully connected to `width`, one common residual block, then a branch of two blocks for the pose and one of two for
-/// the rotation. Parameter names are those of the golden files. Of the form kSix the first two columns of the identity
-/// are added to what the rotation branch gives, so that either form starts near no rotation.
+/// A linear layer to `width`, one common residual block, then two branches of two blocks and a linear layer each, for
+/// the pose and for the rotation. Parameter names are those of the golden files. With kSix the first two columns of the
+/// identity are added to the output of the rotation branch, so that both forms start near the identity.
 class LifterImpl : public LiftingNetwork {
  public:
   LifterImpl(int joint_count, int width, RotationForm form = RotationForm::kAxisAngle,
@@ -92,7 +93,7 @@ class LifterImpl : public LiftingNetwork {
   void Initialise(std::uint64_t seed) override;
   void ScaleRotations(double factor) override;
 
-  /// Negates the z rows of the pose layer and, of the rotation layer, the x and y rows of a rotation vector or the z
+  /// Negates the z rows of the pose layer and, in the rotation layer, the x and y rows of a rotation vector or the z
   /// rows of the two columns.
   void MirrorRows(const std::string& name, torch::Tensor& tensor) const override;
 

@@ -1,4 +1,4 @@
-// The supervised baseline of the field: a network that answers a pose in the camera and nothing else.
+// The field's supervised baseline: a network whose only output is the pose in the camera.
 //
 // Martinez et al., "A simple yet effective baseline for 3d human pose estimation", ICCV 2017, section 3.2.
 #pragma once
@@ -21,17 +21,17 @@ class MartinezBlockImpl : public torch::nn::Module {
 };
 TORCH_MODULE(MartinezBlock);
 
-/// 2D coordinates alone, as published, through a layer as in the blocks, two blocks of `width` and a linear layer. The
-/// rotation it answers is none. In training mode it draws from LibTorch's own generator.
+/// As published: 2D coordinates, without confidences, go through one layer like those of the blocks, two blocks of
+/// `width` and a linear layer. Its rotation is always the identity. Dropout draws from LibTorch's own generator.
 class MartinezLifterImpl : public LiftingNetwork {
  public:
   MartinezLifterImpl(int joint_count, int width);
 
   LifterOutput forward(const torch::Tensor& input) override;
 
-  /// He et al.'s: weights normal with variance 2 / fan in, biases zero, batch normalisation the identity.
+  /// As He et al. (ICCV 2015): weights are normal with variance 2 / fan in, biases 0, batch normalisation the identity.
   void Initialise(std::uint64_t seed) override;
-  /// It has none.
+  /// Must not be called: there are no rotations.
   void ScaleRotations(double factor) override;
   /// Negates the z rows of the last layer.
   void MirrorRows(const std::string& name, torch::Tensor& tensor) const override;

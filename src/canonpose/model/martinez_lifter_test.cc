@@ -17,7 +17,7 @@ MartinezLifter SomeNetwork(std::uint64_t seed) {
   return network;
 }
 
-TEST(MartinezLifter, AnswersAPoseInTheCameraAndNoRotation) {
+TEST(MartinezLifter, OutputsAPoseInTheCameraAndNoRotation) {
   MartinezLifter network = SomeNetwork(1);
   network->eval();
   const LifterOutput output = network->forward(SomeInput(7));

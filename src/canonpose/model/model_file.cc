@@ -34,15 +34,15 @@ void RequireModel(const h5::Group& root) {
 h5::File OpenModel(const fs::path& path) {
   const fs::path file_path = ModelPath(path);
   if (fs::is_directory(path) && !fs::exists(file_path)) {
-    ThrowBadInput({path.string(), "", "a training run with a finished model.cpm", "none in this folder",
-                   fmt::format("finish the training with: canonpose train ... -o {} `resume`", path.string())});
+    ThrowBadInput({path.string(), "", "the model.cpm of a finished training run", "none in this folder",
+                   "finish the training with `resume`"});
   }
   h5::File file = h5::File::OpenForReading(file_path);
   RequireModel(file.root());
   return file;
 }
 
-/// The first version whose readers would not take the model for another.
+/// The first version whose readers understand the model.
 int VersionOf(const ModelInfo& info) {
   const bool sees_confidences = info.input.confidences == ConfidenceInput::kAll;
   if (info.network != NetworkKind::kCanonical || !sees_confidences || info.morph != nullptr) return 3;

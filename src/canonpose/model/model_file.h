@@ -1,16 +1,22 @@
-// The model file (.cpm): everything needed to use a trained lifter, in one HDF5 file. No LibTorch here, so that `info`
-// and others can read one without it.
+// The model file (.cpm): everything needed to use a trained lifter, in one HDF5 file. No LibTorch in this header, so
+// that a model can be read without it.
 //
-//   /            attributes format = "canonpose-model", version = 1, 2 or 3, program_version, width, preset, options
-//   (JSON), seed, steps,
-//                mirror_decision, mirror_slope, mirror_slope_error, perspective; from version 2 on also rotation, ray,
-//                focal, in version 3 network, confidences; in either, where it was looked for, trap_verdict,
-//                trap_depth_ratio, trap_angle_deg, trap_scatter_deg
+// clang-format off
+//   /            attributes
+//                  format = "canonpose-model", version = 1, 2 or 3
+//                  program_version, width, preset, options (JSON), seed, steps,
+//                  mirror_decision, mirror_slope, mirror_slope_error, perspective
+//                from version 2 on: rotation, ray, focal
+//                in version 3: network, confidences
+//                in all versions, where the trap was looked for:
+//                  trap_verdict, trap_depth_ratio, trap_angle_deg, trap_scatter_deg
 //   /skeleton    as in a dataset file
 //   /source      attributes format, layout, confidence_scale, mapping: the kind of keypoint file it was trained on
 //   /data        attributes files, fingerprints: what it was trained on
-//   /morph       in version 3, where there is one: attributes, skeleton, source, data and parameters of a morphing
-//   network /parameters  one float32 array a tensor
+//   /morph       in version 3, where the lifter needs a morphing network: the network's own attributes, groups and
+//                parameters, laid out like the file
+//   /parameters  one float32 array per tensor
+// clang-format on
 #pragma once
 
 #include <cstdint>
@@ -31,19 +37,21 @@ namespace canonpose {
 /// Named tensors as plain arrays; name -> values and shape.
 using NamedArrays = std::map<std::string, h5::Array<float>>;
 
-/// How it was decided which of the two depth mirrors the network is (train/mirror.h).
+/// How the depth-reversal ambiguity was resolved: which of the two mirror images the network is (train/mirror.h).
 struct MirrorDecision {
-  std::string decision = "undecided";  ///< "kept", "flipped", "undecided" or "kept by request", "flipped by request"
-  double slope = 0.0;                  ///< perspective slope before the decision; negative for the right one
-  double slope_error = 0.0;            ///< its standard error over clips
+  /// "kept", "flipped", "undecided", "kept by request", "flipped by request", or "known from the truth", "... solution"
+  /// or "... calibration" where poses were learned from those.
+  std::string decision = "undecided";
+  double slope = 0.0;        ///< perspective slope before the decision; negative for the right one
+  double slope_error = 0.0;  ///< its standard error over clips
 };
 
-/// Whether training without labels has settled in a solution that is none (train/trap.h).
+/// Whether training without labels has settled in a degenerate solution, the trap (train/trap.h).
 struct TrapFinding {
-  std::string verdict;       ///< "right", "suspicious", "trapped"; empty where nobody looked, as in older files
+  std::string verdict;       ///< "right", "suspicious" or "trapped"; empty where it was not looked for
   double depth_ratio = 0.0;  ///< depth of the poses over their width
   double angle_deg = 0.0;    ///< median angle between two views of a frame
-  double scatter_deg = 0.0;  ///< of the relative rotation of two cameras about its mean; NaN where it is not known
+  double scatter_deg = 0.0;  ///< median deviation of the relative rotation of two cameras from its mean; NaN if unknown
 };
 
 struct ModelFile;
@@ -62,10 +70,10 @@ struct ModelInfo {
   std::int64_t steps = 0;
   MirrorDecision mirror;
   TrapFinding trap;
-  double perspective = 0.0;                    ///< learned perspective factor k, 0 where none was learned
+  double perspective = 0.0;                    ///< learned perspective factor k; 0 without one
   std::vector<std::string> data_files;         ///< names without folders
   std::vector<std::string> data_fingerprints;  ///< hexadecimal, see Dataset::Fingerprint()
-  /// What 2D poses go through before this network sees them; null where they go through nothing.
+  /// The morphing network that 2D poses go through before this one; null without one.
   std::shared_ptr<const ModelFile> morph;
 };
 
@@ -74,21 +82,22 @@ struct ModelFile {
   NamedArrays parameters;
 };
 
-/// Writes atomically; the same model gives the same bits. A model is written as the
-/// first version that can say all of it. Throws Error(kBadInput).
+/// Writes atomically; the same model gives the same bits. The version is the first that can hold the model, so that
+/// earlier programs can read it. Throws Error(kBadInput).
 void WriteModelFile(const std::filesystem::path& path, const ModelFile& model);
 
 /// `path` is a model file, or the folder of a training run that holds model.cpm. Throws Error(kBadInput).
 ModelFile ReadModelFile(const std::filesystem::path& path);
-/// The same from a whole model file held in memory; errors call it `name`.
+/// The same for a model file in memory; errors call it `name`.
 ModelFile ReadModelImage(std::string_view image, const std::string& name);
 /// The same without the weights.
 ModelInfo ReadModelInfo(const std::filesystem::path& path);
 
-/// Whether `path` is a model file or a run's folder with one.
+/// Whether `path` is a model file, or the folder of a training run that holds one.
 bool IsModel(const std::filesystem::path& path);
 
-/// Shared with checkpoints.
+// Shared with checkpoints.
+
 void WriteModelInfo(h5::Group& root, const ModelInfo& info);
 ModelInfo ReadModelInfo(const h5::Group& root);
 void WriteArrays(h5::Group& group, const NamedArrays& arrays);

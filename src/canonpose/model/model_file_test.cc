@@ -79,7 +79,7 @@ TEST(ModelFile, RotationAndInputFormAreKeptAndOlderFilesHaveNone) {
   EXPECT_EQ(read.info.input.ray, RayForm::kRoot);
   EXPECT_EQ(read.info.input.focal, FocalSource::kKnown);
   EXPECT_EQ(MakeLifter(read, "turned.cpm", torch::kCPU)->named_parameters()["enc_rot.bias"].size(0), 6);
-  // A program that knows version 1 alone must not take either for the other.
+  // A program that only knows version 1 must not mistake one for the other.
   h5::File plain_file = h5::File::OpenForReading(folder / "plain.cpm");
   h5::File turned_file = h5::File::OpenForReading(folder / "turned.cpm");
   EXPECT_EQ(plain_file.root().GetInt("version"), 1);

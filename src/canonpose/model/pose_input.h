@@ -1,4 +1,4 @@
-// What the network sees of a view: one rule for training and lifting. No LibTorch here.
+// How a view's 2D pose becomes the network's input, the same in training and lifting. No LibTorch in this header.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,24 +9,24 @@
 
 namespace canonpose {
 
-/// A view's 2D poses as a network of a certain form takes them.
+/// Makes the input of a network of a certain form.
 ///
-/// With ray = "root" the network sees, and answers for, a camera that is turned to have the root on its optical axis:
-/// what it says of a rotation or a pose is brought back by the transpose of turned_from_camera.
+/// With RayForm::kRoot the network's input and output belong to a camera that is rotated to have the root on its
+/// optical axis. The transpose of `turned_from_camera` takes its rotations and poses back into the camera's own frame.
 class PoseInput {
  public:
   PoseInput(const InputForm& form, const Skeleton& skeleton);
 
-  /// The pose of frame t of `view`, and the turn, which is the identity with ray = "off". False where the pose cannot
-  /// be used (geometry/normalisation.h).
+  /// The normalised pose of frame t of `view`, and the rotation, which is the identity with RayForm::kOff. False where
+  /// the pose cannot be normalised (geometry/normalisation.h).
   [[nodiscard]] bool Normalise(const CameraView& view, int t, NormalisedPose& pose,
                                Eigen::Matrix3d& turned_from_camera) const;
 
-  /// The intrinsics the turn is made with: with focal = "known" the solved ones, or the calibrated, where there are
-  /// any, otherwise what is guessed from the image size.
+  /// The intrinsics that the rotation is computed with: with FocalSource::kKnown the solved ones, or else the
+  /// calibrated ones, where there are any; otherwise guessed from the image size.
   [[nodiscard]] Pinhole PinholeOf(const CameraView& view, int t) const;
 
-  /// Whether the turn needs more than is known of the camera, so that nothing would be turned.
+  /// Whether too little is known about the camera to compute the rotation, so that poses stay as they are.
   [[nodiscard]] bool LacksCamera(const CameraView& view) const;
 
  private:

@@ -1,4 +1,4 @@
-// A morphing network at work: 2D poses in, 2D poses out. No LibTorch in this header.
+// Applies a trained morphing network: 2D poses in, 2D poses out. No LibTorch in this header.
 #pragma once
 
 #include <filesystem>
@@ -12,10 +12,10 @@ namespace canonpose {
 
 class PoseMorph {
  public:
-  /// Opens a model file, or the folder of a finished run, of `train-morph`. Throws Error(kBadInput), also where it is a
-  /// lifter's.
+  /// Opens a model file or the folder of a finished run that `canonpose train-morph` made. Throws Error(kBadInput),
+  /// also for a lifter's model.
   static PoseMorph Open(const std::filesystem::path& run_or_model, const std::string& device = "cpu");
-  /// `file` is named where the model is damaged.
+  /// Errors name `file`.
   static PoseMorph Of(std::shared_ptr<const ModelFile> model, const std::string& file,
                       const std::string& device = "cpu");
   ~PoseMorph();
@@ -24,10 +24,10 @@ class PoseMorph {
 
   [[nodiscard]] const std::shared_ptr<const ModelFile>& model() const;
 
-  /// Moves the detected joints of a view's T frames. Frames whose pose cannot be used (geometry/normalisation.h) and
-  /// confidences stay as they are.
+  /// Moves the detected joints in the T frames of a view. Confidences stay as they are, and so do frames whose pose
+  /// cannot be normalised (geometry/normalisation.h).
   void Apply(CameraView& view, int frame_count) const;
-  /// All views. Throws Error(kBadInput) naming `file` where its joints are others.
+  /// Does that in all views. Throws Error(kBadInput) naming `file` where its joints are not those of the network.
   void Apply(Dataset& dataset, const std::string& file) const;
 
  private:

@@ -1,4 +1,4 @@
-// How our networks start.
+// Initial parameters of our networks.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace canonpose {
 
-/// Draws all parameters uniformly in +-1/sqrt(fan in) (PyTorch's default for linear layers), from our own generator:
-/// the same on every machine and version.
+/// Draws all parameters uniformly from +-1/sqrt(fan in), PyTorch's default for linear layers, with our own generator:
+/// the same numbers on every machine and version.
 void InitialiseUniformly(torch::nn::Module& network, std::uint64_t seed);
 
 }  // namespace canonpose

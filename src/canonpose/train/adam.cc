@@ -18,8 +18,8 @@ struct StepSizes {
   double weight_decay;
 };
 
-/// The same in the parameters' own type. By value and apart from the loop, so that the compiler sees that nothing in it
-/// changes and works on several elements at a time: with -fno-math-errno also in the square root.
+/// The constants of a step in the parameters' own type. They are passed by value and prepared outside the loop, so that
+/// the compiler knows they do not change and vectorises; with -fno-math-errno it vectorises the square root too.
 template <typename T>
 struct Constants {
   T rate;

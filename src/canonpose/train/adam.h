@@ -1,4 +1,4 @@
-// Adam (Kingma and Ba 2015) with L2 weight decay, its state open to checkpoints and to the mirror.
+// Adam (Kingma and Ba 2015) with L2 weight decay, whose state checkpoints and the mirror can access.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,13 @@
 
 namespace canonpose {
 
-/// The same numbers as PyTorch's: g += decay p; m = b1 m + (1 - b1) g; v = b2 v + (1 - b2) g^2;
-/// p -= rate / (1 - b1^t) m / (sqrt(v / (1 - b2^t)) + eps), with b1 = 0.9, b2 = 0.999, eps = 1e-8. On the CPU one pass
-/// over memory does all of it: the optimiser is bound by memory traffic, and LibTorch's own needs several passes and
-/// differs in its interface between versions.
+/// Computes what PyTorch's computes:
+///
+///   g += decay p;  m = b1 m + (1 - b1) g;  v = b2 v + (1 - b2) g^2
+///   p -= rate / (1 - b1^t) m / (sqrt(v / (1 - b2^t)) + eps),   b1 = 0.9, b2 = 0.999, eps = 1e-8
+///
+/// On the CPU it takes one pass over memory, which is what limits its speed. LibTorch's own takes several passes, and
+/// its interface differs between versions.
 class Adam {
  public:
   struct Parameter {
@@ -25,7 +28,7 @@ class Adam {
   /// Keeps references to the parameters' tensors.
   Adam(const std::vector<std::pair<std::string, torch::Tensor>>& parameters, double weight_decay);
 
-  /// One step from the gradients, which are then cleared. A parameter without gradient is left alone.
+  /// One step from the gradients, which are then cleared. A parameter without a gradient stays as it is.
   void Step(double learning_rate);
 
   [[nodiscard]] std::vector<Parameter>& parameters() { return parameters_; }

@@ -34,19 +34,19 @@ void DropJoints(const Skeleton& skeleton, Rng& rng, const TrainingRow& row) {
   for (std::size_t j = 0; j < joints; ++j) {
     if (row.confidence[j] > 0.0F && static_cast<int>(j) != skeleton.root) seen.push_back(j);
   }
-  std::size_t left = seen.size() + 1;
-  for (std::size_t wanted = 1 + rng.Index(kMaxJointsDropped); wanted > 0 && 2 * (left - 1) >= joints; --wanted) {
+  std::size_t remaining = seen.size() + 1;
+  for (std::size_t wanted = 1 + rng.Index(kMaxJointsDropped); wanted > 0 && 2 * (remaining - 1) >= joints; --wanted) {
     const std::size_t chosen = rng.Index(seen.size());
     const std::size_t joint = seen[chosen];
     seen.erase(seen.begin() + static_cast<std::ptrdiff_t>(chosen));
     row.keypoints[joint] = row.keypoints[joints + joint] = row.confidence[joint] = 0.0F;
-    --left;
+    --remaining;
   }
   double squares = 0.0;
   for (std::size_t i = 0; i < 2 * joints; ++i) squares += static_cast<double>(row.keypoints[i]) * row.keypoints[i];
   if (!(squares > 0.0)) return;
   const auto scale =
-      static_cast<float>(1.0 / std::sqrt(squares * static_cast<double>(joints) / static_cast<double>(left)));
+      static_cast<float>(1.0 / std::sqrt(squares * static_cast<double>(joints) / static_cast<double>(remaining)));
   for (std::size_t i = 0; i < 2 * joints; ++i) row.keypoints[i] *= scale;
 }
 
@@ -68,7 +68,7 @@ Augmentation::Augmentation(const std::vector<Dataset>& datasets, const TrainingS
 
 void Augmentation::Change(int set_row, Rng& rng, const TrainingRow& row) const {
   if (new_views_ && new_views_->any() && rng.Uniform() < share_of_new_views_) {
-    // A view in which too little would be seen leaves the row as it is.
+    // A view in which too few joints would be visible leaves the row as it is.
     static_cast<void>(new_views_->See(set_row, new_views_->Draw(set_row, rng), row));
   }
   if (flips_ > 0.0 && rng.Uniform() < flips_) FlipRow(skeleton_, row);

@@ -1,4 +1,4 @@
-// Makes more of a batch of supervised rows: new views, left-right mirrored poses, missing joints.
+// Augmentation of supervised rows: new views, exchange of left and right, missing joints.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +13,22 @@
 
 namespace canonpose {
 
-/// Mirrors a row left-right, exactly: x is negated and every joint changes places with its partner. Twice is nothing.
+/// Exchanges left and right of a row, exactly: x is negated and every joint changes places with its partner. Doing it
+/// twice restores the row.
 void FlipRow(const Skeleton& skeleton, const TrainingRow& row);
 
-/// Takes one to four joints other than the root from a row, as if they had not been detected, and scales the others as
-/// NormalisePose() does. At least half of the joints stay.
+/// Removes one to four joints other than the root from a row, as if they had not been detected, and scales the others
+/// as NormalisePose() does. At least half of the joints remain.
 void DropJoints(const Skeleton& skeleton, Rng& rng, const TrainingRow& row);
 
 class Augmentation {
  public:
-  /// By new_views, flips and joint_dropout of `options`. Keeps a reference to `set`.
+  /// As `options.new_views`, `flips` and `joint_dropout` say. Keeps a reference to `set`.
   Augmentation(const std::vector<Dataset>& datasets, const TrainingSet& set, const TrainOptions& options);
 
   [[nodiscard]] bool any() const { return new_views_.has_value() || flips_ > 0.0 || joint_dropout_ > 0.0; }
 
-  /// Changes the copy of row `set_row`.
+  /// Changes a copy of row `set_row` at random.
   void Change(int set_row, Rng& rng, const TrainingRow& row) const;
 
  private:
@@ -38,10 +39,10 @@ class Augmentation {
   std::optional<NewViews> new_views_;
 };
 
-/// How `options` want the network to see a pose.
+/// The network's input, by `options`.
 InputForm InputFormOf(const TrainOptions& options);
 
-/// How `options` want rows to be made.
+/// How rows are made of views, by `options`.
 RowForm RowFormOf(const TrainOptions& options);
 
 }  // namespace canonpose

@@ -22,12 +22,12 @@ void AddCameras(Fingerprint& fingerprint, const std::vector<Camera>& cameras) {
     fingerprint.Add(camera.camera_from_world_rotation.data(), sizeof(double) * 9);
     fingerprint.Add(camera.camera_from_world_translation_mm.data(), sizeof(double) * 3);
     fingerprint.Add(camera.distortion.data(), sizeof(double) * 4);
-    // Added later: cameras without it keep the hash that checkpoints recorded.
+    // The fifth coefficient was added later: without it the hash is the one in earlier checkpoints.
     if (camera.distortion[4] != 0.0) fingerprint.Add(&camera.distortion[4], sizeof(double));
   }
 }
 
-/// Whether any view of the datasets is such a one.
+/// Whether the predicate holds for any view of the datasets.
 template <typename Predicate>
 bool AnyView(const TrainJob& job, Predicate predicate) {
   return std::any_of(job.datasets.begin(), job.datasets.end(), [&](const Dataset& dataset) {
@@ -46,22 +46,22 @@ void RequireTarget(const TrainJob& job) {
     return is_solved ? data.HasSolved() : data.HasTruth();
   });
   if (!has_target && job.options.supervision == Supervision::kTriangulated) {
-    ThrowBadInput({files, "", "frames that two calibrated cameras see, which supervision=triangulated learns from",
+    ThrowBadInput({files, "", "frames that two calibrated cameras see, which `supervision=triangulated` learns from",
                    "none", "import the data with `calibration`, or train with another preset"});
   }
   if (!has_target && is_solved) {
     ThrowBadInput(
-        {files, "", "solved 3D poses, which supervision=solved learns from", "none", "run `canonpose solve` first"});
+        {files, "", "solved 3D poses, which `supervision=solved` learns from", "none", "run `canonpose solve` first"});
   }
   if (!has_target) {
-    ThrowBadInput({files, "", "truth, which supervision=truth learns from", "none",
+    ThrowBadInput({files, "", "truth, which `supervision=truth` learns from", "none",
                    "simulate a capture, or train with another preset"});
   }
   if (job.options.new_views > 0.0 && !AnyView(job, [&](const CameraView& view) {
         return !TargetPoses(view, target).empty() && !TargetCameras(view, target).empty();
       })) {
     ThrowBadInput({files, "",
-                   fmt::format("{} cameras, which new views are made with", is_solved ? "solved" : "calibrated"),
+                   fmt::format("{} cameras, which `new_views` are made with", is_solved ? "solved" : "calibrated"),
                    "none", "train with `new_views=0`"});
   }
 }

@@ -31,7 +31,7 @@ std::vector<const TrainingFrame*> Pointers(const std::vector<TrainingFrame>& fra
 
 double Sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
-/// A random batch of a random network: what every loss can be tried on.
+/// A random batch and a random network.
 struct Example {
   explicit Example(const std::vector<TrainingFrame>& training_frames, int joints = 6, int root = 0)
       : frames(training_frames), lifter(joints, 16) {
@@ -240,7 +240,7 @@ TEST(SupervisedLoss, GradientsMatchNumericOnesAndUnknownTruthTakesNoPart) {
   }
 }
 
-TEST(SupervisedLoss, WeightsTellHowMuchAJointCounts) {
+TEST(SupervisedLoss, WeightsScaleWhatAJointCounts) {
   torch::manual_seed(7);
   BatchTensors batch;
   torch::Tensor target = torch::randn({3, 3, 6}, kDouble);

@@ -125,37 +125,40 @@ bool UpdateMirrorDecision(const PerspectiveSlope& slope, MirrorHandling handling
   const bool decided_before = decision.decision != "undecided";
   if (handling != MirrorHandling::kAuto) {
     if (decided_before) return false;
-    decision = {handling == MirrorHandling::kFlip ? "flipped by request" : "kept by request", slope.slope,
-                slope.standard_error};
-    LogInfo("mirror: {}; perspective {}", decision.decision, slope.Describe());
-    return handling == MirrorHandling::kFlip;
+    const bool flips = handling == MirrorHandling::kFlip;
+    decision = {flips ? "flipped by request" : "kept by request", slope.slope, slope.standard_error};
+    LogInfo("mirror: {} ({}; a negative slope is right)", decision.decision, slope.Describe());
+    return flips;
   }
   if (!slope.is_sure() && decided_before) {
-    LogInfo("mirror: {} at the warm-up, which stands ({} now tells too little)", decision.decision, slope.Describe());
+    LogInfo("mirror: the decision after the warm-up stands, {} ({} is not enough to decide again)", decision.decision,
+            slope.Describe());
     return false;
   }
   if (!slope.is_sure()) {
     decision = {"undecided", slope.slope, slope.standard_error};
     const std::string reason =
         slope.clips < kMinClips
-            ? fmt::format(
-                  "{} clips are too few to tell the pose from its depth mirror ({}; {} clips are needed); "
-                  "record more",
-                  slope.clips, slope.Describe(), kMinClips)
+            ? fmt::format("the recording is too short to tell ({}; {} clips are needed): record more", slope.Describe(),
+                          kMinClips)
             : fmt::format(
-                  "perspective is too weak to tell the pose from its depth mirror ({}, {:.1f} standard errors; "
-                  "{} are needed), or training found no good solution; try another `seed`",
+                  "perspective is too weak to tell, or training found no good solution ({}, {:.1f} standard errors; {} "
+                  "are needed): try another `seed`",
                   slope.Describe(), slope.standard_errors(), PerspectiveSlope::kSure);
-    LogWarning("mirror: {}, or look at the poses and train again with `mirror` keep or `mirror` flip", reason);
+    LogWarning(
+        "mirror: undecided, the 3D poses may be depth-reversed (front and back exchanged): {}, or look at the poses "
+        "and "
+        "train again with `mirror=keep` or `mirror=flip`",
+        reason);
     return false;
   }
   if (!decided_before || slope.is_mirrored()) {
     decision = {slope.is_mirrored() ? "flipped" : "kept", slope.slope, slope.standard_error};
   }
-  const char* what = "right, so kept";
-  if (decided_before) what = "confirmed after training";
-  if (slope.is_mirrored()) what = "mirrored, so flipped";
-  LogInfo("mirror: {} ({}, {:.1f} standard errors; negative is right)", what, slope.Describe(),
+  const char* what = "depths are the right way round, kept";
+  if (decided_before) what = "confirmed after training, depths are the right way round";
+  if (slope.is_mirrored()) what = "depths were reversed, flipped";
+  LogInfo("mirror: {} ({}, {:.1f} standard errors; a negative slope is right)", what, slope.Describe(),
           slope.standard_errors());
   return slope.is_mirrored();
 }

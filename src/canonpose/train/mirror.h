@@ -1,9 +1,9 @@
-// Which of the two depth mirrors a trained lifter is, read from perspective.
+// The depth-reversal ambiguity, and how perspective resolves it: which of two mirror images a trained lifter is.
 //
-// Under weak perspective a solution (X, R) and its depth mirror (F X, F R F), F = diag(1, 1, -1), have the same losses.
-// Real cameras are not weak: near parts of the body look larger. With W = xy / (1 + k z) about xy (1 - k z), the
-// reprojection residual W - q, regressed on z q, has slope -k < 0 for the right solution, and a positive one for the
-// mirrored.
+// Under weak perspective a solution (X, R) and its mirror image (F X, F R F), F = diag(1, 1, -1), have the same losses.
+// But real cameras have perspective: near parts of the body look larger. Since W = xy / (1 + k z) is about xy (1 - k
+// z), the reprojection residual W - q, regressed on z q, has the slope -k < 0 for the right solution and a positive
+// slope for its mirror image.
 #pragma once
 
 #include <string>
@@ -26,7 +26,7 @@ struct PerspectiveSlope {
 
   /// |slope| in standard errors.
   [[nodiscard]] double standard_errors() const;
-  /// Whether the slope tells the mirror at all: at least `kSure` standard errors from zero, from at least four clips.
+  /// Whether the slope decides the mirror: it is at least `kSure` standard errors from zero, from at least four clips.
   [[nodiscard]] bool is_sure() const;
   [[nodiscard]] bool is_mirrored() const { return slope > 0.0; }
   /// "slope -0.21 +- 0.02 over 16 clips"
@@ -35,13 +35,13 @@ struct PerspectiveSlope {
   static constexpr double kSure = 3.0;
 };
 
-/// Least squares over the joints of one clip, all its views together: residual = slope (z q) + scale q, weighted by
-/// confidence.
+/// Least squares over the joints of one clip in all views: residual = slope (z q) + scale q, weighted by confidence.
 class SlopeRegression {
  public:
-  /// One coordinate of one joint: residual r, reprojection q, depth z relative to the root in units of the pose's norm.
+  /// One coordinate of one joint: residual, reprojection q, and depth z relative to the root in units of the pose's
+  /// norm.
   void Add(double residual, double reprojection, double depth, double weight);
-  /// False, `slope` untouched, where the data do not determine it.
+  /// False, `slope` unchanged, where the data do not determine it.
   bool Solve(double& slope) const;
 
  private:
@@ -51,13 +51,13 @@ class SlopeRegression {
 /// Mean and standard error of clips' slopes.
 PerspectiveSlope CombineSlopes(const std::vector<double>& slopes);
 
-/// The slope of a lifter on a training set, clip by clip. Poses are taken from one view and compared in the others,
-/// where the network could not bend them to the perspective it saw.
+/// The slope of a lifter on a training set, clip by clip. Poses from one view are compared in the other views: in its
+/// own view the network may have distorted the pose to fit the perspective there.
 PerspectiveSlope MeasurePerspectiveSlope(LiftingNetwork& lifter, const TrainingSet& set, int root,
                                          torch::Device device);
 
-/// Takes up what a slope says, and tells the user. A decision that was made before
-/// stands unless the slope is sure. Returns whether the network is to be mirrored now.
+/// Makes or confirms the decision from a slope, and reports it. A decision that was made before stands unless the slope
+/// is sure. Returns whether the network is to be mirrored now.
 bool UpdateMirrorDecision(const PerspectiveSlope& slope, MirrorHandling handling, MirrorDecision& decision);
 
 }  // namespace canonpose

@@ -7,7 +7,7 @@
 namespace canonpose {
 namespace {
 
-/// The slope of a synthetic person with perspective factor k, judged with the right depths or mirrored ones.
+/// The slope of a synthetic person with perspective factor k, measured with the right depths or with reversed ones.
 double SyntheticSlope(double k, bool mirrored) {
   Rng rng(5);
   SlopeRegression regression;

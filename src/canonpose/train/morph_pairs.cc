@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-/// Where a joint of frame t truly is, pixels; NaN where unknown.
+/// The true position of a joint in a frame, pixels; NaN where unknown.
 using TruePixel = std::function<Eigen::Vector2d(int frame, int joint)>;
 
 void AddView(const CameraView& view, int frame_count, const Skeleton& skeleton, const TruePixel& true_pixel,
@@ -76,8 +76,8 @@ void AddPairsOfTruth(const Dataset& detected, const std::string& file, MorphPair
     }
   }
   if (pairs.count() == before) {
-    ThrowBadInput({file, "", "views with both truth and calibration, which say where the joints are in the image",
-                   "none", "give the true keypoints as a second dataset: `exact` FILE"});
+    ThrowBadInput({file, "", "views with both truth and calibration, which give the true keypoints", "none",
+                   "give the true keypoints as a second dataset: `exact` FILE"});
   }
 }
 

@@ -1,4 +1,4 @@
-// What a morphing network learns from: 2D poses as a detector finds them, and where their joints truly are.
+// What a morphing network learns from: 2D poses as detected, and the true positions of their joints.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace canonpose {
 
-/// N poses of J joints, seen at the same moment by the detector and in truth.
+/// N poses of J joints, detected and true.
 struct MorphPairs {
   int joint_count = 0;
   std::vector<float> input;  ///< (N, 3J) detected, normalised (geometry/normalisation.h): planar keypoints, confidences
@@ -19,13 +19,12 @@ struct MorphPairs {
   }
 };
 
-/// Adds the pairs of a dataset whose truth and calibration say where the joints are in the image. Throws
+/// Adds the pairs of a dataset with truth and calibration, which give the true positions in the image. Throws
 /// Error(kBadInput) naming `file` where no view has both.
 void AddPairsOfTruth(const Dataset& detected, const std::string& file, MorphPairs& pairs);
 
-/// Adds the pairs of two datasets with the same joints, whose sequences, cameras and frames are matched by name and
-/// number: keypoints of the detector and true ones. Throws Error(kBadInput) naming the files where they do not belong
-/// together.
+/// Adds the pairs of two datasets with the same joints, detected and true keypoints of the same recording. Sequences
+/// and cameras are matched by name, frames by number. Throws Error(kBadInput) naming the files where they do not match.
 void AddPairsOfDatasets(const Dataset& detected, const std::string& detected_file, const Dataset& exact,
                         const std::string& exact_file, MorphPairs& pairs);
 

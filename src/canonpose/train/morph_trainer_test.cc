@@ -17,9 +17,9 @@ namespace {
 using testing::CalibratedShow;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
-using testing::StoppedAfter;
 using testing::kJoints;
 using testing::PuppetShow;
+using testing::StoppedAfter;
 using testing::TemporaryFolder;
 
 /// Moves joint 2 of every pose by a tenth of the distance of joint 1 from the root: an error that depends on the pose.
@@ -118,7 +118,7 @@ TEST(TrainMorph, InterruptedAndResumedGivesTheSameBits) {
       ++interruptions;
     } else if (interruptions > 0) {
       break;
-    } else {  // the signal came too early to be heeded, or too late
+    } else {  // it was to stop too early or too late: once more, at a later step
       std::filesystem::remove_all(job.run_folder);
     }
   }
@@ -127,7 +127,7 @@ TEST(TrainMorph, InterruptedAndResumedGivesTheSameBits) {
   EXPECT_EQ(ReadFile(folder / "whole/metrics.jsonl"), ReadFile(folder / "pieces/metrics.jsonl"));
 }
 
-TEST(TrainMorph, RefusesToGoOnWithAnotherRun) {
+TEST(TrainMorph, RefusesToResumeAnotherRun) {
   const TemporaryFolder folder;
   const Dataset exact = PuppetShow(100, 3);
   MorphJob job = Job(folder, "run", Disturbed(exact), exact);

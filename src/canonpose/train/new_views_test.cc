@@ -16,7 +16,7 @@ namespace {
 constexpr int kFilmedJoints = 17;
 constexpr int kFrames = 6;
 
-/// Level cameras around a scene whose down is (0, 1, 0), then turned as a whole: x_in_camera = R x_in_world.
+/// Level cameras around a scene whose down is (0, 1, 0), then rotated as a whole: x_in_camera = R x_in_world.
 std::vector<Eigen::Matrix3d> Around(const std::vector<double>& azimuths, const Eigen::Matrix3d& scene_from_world,
                                     double tilt = 0.3) {
   std::vector<Eigen::Matrix3d> rotations;
@@ -29,7 +29,7 @@ std::vector<Eigen::Matrix3d> Around(const std::vector<double>& azimuths, const E
   return rotations;
 }
 
-/// Random bodies before level cameras that know themselves. The keypoints are off by `noise` of the body's size.
+/// Random bodies in front of level, calibrated cameras. The keypoints are off by `noise` of the body's size.
 Dataset Filmed(double noise) {
   Rng rng(4);
   Dataset dataset;
@@ -139,7 +139,7 @@ TEST(NewViews, WithoutDetectorErrorsTheNewKeypointsAreTheProjectionOfTheNewPose)
     view.confidence[kFilmedJoints * 2 + 3] = 0.0F;  // frame 2 lacks a joint
   const RowForm form = Form(RayForm::kRoot);
   const TrainingSplit split = MakeTrainingSplit({dataset}, 0.0, form);
-  // The lens is known, but the input's turn takes no account of distortion.
+  // The lens is known, but the rotation of the input ignores distortion.
   for (CameraView& view : dataset.sequences[0].cameras) {
     for (Camera& camera : view.calibration) camera.distortion = {0, 0, 0, 0};
     for (std::size_t i = 0; i < view.confidence.size(); ++i) {

@@ -16,14 +16,14 @@ namespace canonpose {
 /// All parameters of a network, in its order.
 std::vector<std::pair<std::string, torch::Tensor>> NamedParameters(const torch::nn::Module& network);
 
-/// Adds the values and moments of all parameters.
+/// Adds the values and moments of all parameters to a checkpoint.
 void StoreOptimiser(const Adam& adam, Checkpoint& checkpoint);
 
-/// Takes them back; the step count is not among them. Throws Error(kBadInput) naming `file` where one is missing or of
+/// Restores them; the step count is not among them. Throws Error(kBadInput) naming `file` where one is missing or has
 /// another size.
 void RestoreOptimiser(const Checkpoint& checkpoint, const std::string& file, Adam& adam);
 
-/// Forgets all moments and steps.
+/// Sets all moments and the step count to zero.
 void ResetOptimiser(Adam& adam);
 
 }  // namespace canonpose

@@ -12,69 +12,72 @@
 namespace canonpose {
 namespace {
 
-using O = TrainOptions;
-
-constexpr std::tuple kTable{
-    Text("preset", &O::preset, "the name of a preset", "Where the options came from, for the record"),
-    Number("epochs", &O::epochs, Range::AtLeast(0),
+constexpr std::tuple kTrainTable{
+    Text("preset", &TrainOptions::preset, "the name of a preset", "Where the options came from, for the record"),
+    Number("epochs", &TrainOptions::epochs, Range::AtLeast(0),
            "Passes through the data. 0: `default_epochs`, or more until `min_steps` steps are taken"),
-    Number("default_epochs", &O::default_epochs, Range::AtLeast(1), "Passes through the data where `epochs` is 0"),
-    Number("min_steps", &O::min_steps, Range::AtLeast(0),
+    Number("default_epochs", &TrainOptions::default_epochs, Range::AtLeast(1),
+           "Passes through the data where `epochs` is 0"),
+    Number("min_steps", &TrainOptions::min_steps, Range::AtLeast(0),
            "A small recording is passed through more often until this many steps are taken"),
-    Choice("network", &O::network, "The lifter's layers"),
-    Number("width", &O::width, Range::Between(1, 65536), "Width of the network's layers"),
-    Number("batch_frames", &O::batch_frames, Range::AtLeast(1), "Frames per step, each with all its views"),
-    Number("learning_rate", &O::learning_rate, Range::MoreThan(0), "Learning rate at the start"),
-    Number("weight_decay", &O::weight_decay, Range::AtLeast(0), "L2 penalty, added to the gradient"),
-    Choice("schedule", &O::schedule, "How the learning rate falls"),
-    Choice("supervision", &O::supervision, "What is learned from"),
-    Choice("bootstrap", &O::bootstrap,
-           "With `supervision=solved`: what data that are not solved yet are solved from before training"),
-    Choice("input_confidences", &O::input_confidences, "What the network sees of the detector's confidences"),
-    Choice("loss_confidences", &O::loss_confidences,
-           "Whether the losses weigh joints by their confidence, as published, or all joints that are seen alike"),
-    Choice("consistency", &O::consistency, "How views, and frames of static cameras, are made to agree"),
-    Choice("ray", &O::ray, "The pose that the network sees"),
-    Choice("focal", &O::focal, "With `ray=root`: where the camera's intrinsics come from"),
-    Choice("rotation", &O::rotation, "Form of the network's rotations"),
-    Number("new_views", &O::new_views, Range::Between(0, 1),
+    Choice("network", &TrainOptions::network, "The lifter's layers"),
+    Number("width", &TrainOptions::width, Range::Between(1, 65536), "Width of the network's layers"),
+    Number("batch_frames", &TrainOptions::batch_frames, Range::AtLeast(1), "Frames per step, each with all its views"),
+    Number("learning_rate", &TrainOptions::learning_rate, Range::MoreThan(0), "Learning rate at the start"),
+    Number("weight_decay", &TrainOptions::weight_decay, Range::AtLeast(0), "L2 penalty, added to the gradient"),
+    Choice("schedule", &TrainOptions::schedule, "How the learning rate falls"),
+    Choice("supervision", &TrainOptions::supervision, "What is learned from"),
+    Choice("bootstrap", &TrainOptions::bootstrap,
+           "With `supervision=solved`, for data that are not solved yet: what solving starts from"),
+    Choice("input_confidences", &TrainOptions::input_confidences,
+           "What the network sees of the detector's confidences"),
+    Choice(
+        "loss_confidences", &TrainOptions::loss_confidences,
+        "Whether joints count by their confidence in the losses, as published. off: all visible joints count the same"),
+    Choice("consistency", &TrainOptions::consistency, "How views, and frames of static cameras, are made to agree"),
+    Choice("ray", &TrainOptions::ray, "How the pose is presented to the network"),
+    Choice("focal", &TrainOptions::focal, "With `ray=root`: where the camera's intrinsics come from"),
+    Choice("rotation", &TrainOptions::rotation, "Form of the network's rotations"),
+    Number("new_views", &TrainOptions::new_views, Range::Between(0, 1),
            "Share of poses that are seen from a new, simulated camera; needs `supervision`"),
-    Number("flips", &O::flips, Range::Between(0, 1),
+    Number("flips", &TrainOptions::flips, Range::Between(0, 1),
            "Probability that left and right of a pose are exchanged; needs `supervision`"),
-    Number("joint_dropout", &O::joint_dropout, Range::Between(0, 1),
+    Number("joint_dropout", &TrainOptions::joint_dropout, Range::Between(0, 1),
            "Probability that one to four joints of a pose are hidden; needs `supervision`"),
-    Choice("uncertainty_weights", &O::uncertainty_weights,
+    Choice("uncertainty_weights", &TrainOptions::uncertainty_weights,
            "With `supervision=solved`: whether a joint of uncertainty s, relative to the size of its pose, counts "
            "1 / (1 + (s / median s)^2)"),
-    Number("view_weight", &O::view_weight, Range::AtLeast(0), "Weight of view consistency"),
-    Number("camera_weight", &O::camera_weight, Range::AtLeast(0), "Weight of camera consistency"),
-    Choice("camera_consistency", &O::camera_consistency, "Which frames share the relative rotations of their cameras"),
-    Number("camera_window_seconds", &O::camera_window_seconds, Range::MoreThan(0),
+    Number("view_weight", &TrainOptions::view_weight, Range::AtLeast(0), "Weight of view consistency"),
+    Number("camera_weight", &TrainOptions::camera_weight, Range::AtLeast(0), "Weight of camera consistency"),
+    Choice("camera_consistency", &TrainOptions::camera_consistency,
+           "Which frames share the relative rotations of their cameras"),
+    Number("camera_window_seconds", &TrainOptions::camera_window_seconds, Range::MoreThan(0),
            "With `camera_consistency=window`: length of the window at the start, seconds"),
-    Number("camera_window_end", &O::camera_window_end, {0.0, 1.0, /*excludes_min=*/true},
+    Number("camera_window_end", &TrainOptions::camera_window_end, {0.0, 1.0, /*excludes_min=*/true},
            "With `camera_consistency=window`: share of the steps after which the window's length and weight are zero"),
-    Number("rotation_spread", &O::rotation_spread, Range::MoreThan(0),
+    Number("rotation_spread", &TrainOptions::rotation_spread, Range::MoreThan(0),
            "Factor of the rotation layer's initial weights"),
-    Number("restarts", &O::restarts, Range::Between(1, 1000),
+    Number("restarts", &TrainOptions::restarts, Range::Between(1, 1000),
            "Short runs from different seeds; training continues from the best of them"),
-    Number("restart_steps", &O::restart_steps, Range::AtLeast(1),
+    Number("restart_steps", &TrainOptions::restart_steps, Range::AtLeast(1),
            "Length of a short run. After 500 steps a run that will end in the trap still has the smaller loss "
            "(docs/results.md)"),
-    Choice("perspective", &O::perspective, "The projection in the losses"),
-    Number("perspective_warmup", &O::perspective_warmup, Range::Between(0, 1),
+    Choice("perspective", &TrainOptions::perspective, "The projection in the losses"),
+    Number("perspective_warmup", &TrainOptions::perspective_warmup, Range::Between(0, 1),
            "Share of the steps before k is learned; it is 0 until then"),
-    Number("perspective_learning_rate", &O::perspective_learning_rate, Range::MoreThan(0), "Learning rate of k"),
-    Choice("mirror", &O::mirror, "Which of the two mirror images to keep"),
-    Number("validation", &O::validation, Range::Between(0, 0.5),
+    Number("perspective_learning_rate", &TrainOptions::perspective_learning_rate, Range::MoreThan(0),
+           "Learning rate of k"),
+    Choice("mirror", &TrainOptions::mirror, "Which of the two mirror images to keep"),
+    Number("validation", &TrainOptions::validation, Range::Between(0, 0.5),
            "Share of the frames that is held out, at the end of every 50"),
-    Number("seed", &O::seed, Range::AtLeast(0), "Seed of all randomness"),
-    NotInResults(Number("threads", &O::threads, Range::AtLeast(0),
+    Number("seed", &TrainOptions::seed, Range::AtLeast(0), "Seed of all randomness"),
+    NotInResults(Number("threads", &TrainOptions::threads, Range::AtLeast(0),
                         "Threads; more than one helps wide networks on an idle machine. 0: one to train, all cores to "
                         "solve")),
-    NotInResults(Text("device", &O::device, "cpu, cuda", "Where networks are computed")),
-    NotInResults(
-        Number("checkpoint_seconds", &O::checkpoint_seconds, Range::AtLeast(0), "Time between checkpoints, seconds"))};
-static_assert(CoversAllFields<TrainOptions>(kTable));
+    NotInResults(Text("device", &TrainOptions::device, "cpu, cuda", "Where networks are computed")),
+    NotInResults(Number("checkpoint_seconds", &TrainOptions::checkpoint_seconds, Range::AtLeast(0),
+                        "Time between checkpoints, seconds"))};
+static_assert(CoversAllFields<TrainOptions>(kTrainTable));
 
 void ValidateViews(const TrainOptions& options) {
   if (options.network != LifterKind::kCanonical) {
@@ -128,7 +131,7 @@ void ValidateSupervised(const TrainOptions& options) {
 }  // namespace
 
 void TrainOptions::Validate() const {
-  RequireRanges(kTable, *this);
+  RequireRanges(kTrainTable, *this);
   if (is_supervised()) {
     ValidateSupervised(*this);
   } else {
@@ -137,7 +140,7 @@ void TrainOptions::Validate() const {
 }
 
 std::string TrainOptions::ToJson(bool only_what_changes_results) const {
-  return WriteJson(kTable, *this, only_what_changes_results);
+  return WriteJson(kTrainTable, *this, only_what_changes_results);
 }
 
 TrainOptions TrainOptions::FromJson(const std::string& text, const std::string& file) {
@@ -147,7 +150,7 @@ TrainOptions TrainOptions::FromJson(const std::string& text, const std::string& 
   };
   TrainOptions options;
   try {
-    options = ReadJson<TrainOptions>(kTable, text);
+    options = ReadJson<TrainOptions>(kTrainTable, text);
   } catch (const nlohmann::json::exception&) {
     damaged("damaged text");
   } catch (const Error& error) {
@@ -156,21 +159,21 @@ TrainOptions TrainOptions::FromJson(const std::string& text, const std::string& 
   return options;
 }
 
-bool TrainOptions::Has(const std::string& name) { return HasRow(kTable, name); }
+bool TrainOptions::Has(const std::string& name) { return HasRow(kTrainTable, name); }
 
 void TrainOptions::Set(const std::string& name, const std::string& value) {
   if (name == "preset") {
     ThrowInvalidArgument(
         "`preset` stands for a choice of all options and is not set like one of them: give `preset={}`", value);
   }
-  SetField(kTable, name, value, *this);
+  SetField(kTrainTable, name, value, *this);
 }
 
-std::string TrainOptions::Get(const std::string& name) const { return GetField(kTable, name, *this); }
+std::string TrainOptions::Get(const std::string& name) const { return GetField(kTrainTable, name, *this); }
 
 std::vector<std::string> TrainOptions::Differences(const TrainOptions& other) const {
   std::vector<std::string> names;
-  ForEachRow(kTable, [&](const auto& row) {
+  ForEachRow(kTrainTable, [&](const auto& row) {
     if (row.changes_results && Get(row.name) != other.Get(row.name)) names.emplace_back(row.name);
   });
   return names;
@@ -255,7 +258,7 @@ std::string OtherDefaults(const std::string& field) {
 
 const std::vector<OptionDescription>& DescribeTrainOptions() {
   static const std::vector<OptionDescription> descriptions = [] {
-    std::vector<OptionDescription> all = DescribeTable<TrainOptions>(kTable);
+    std::vector<OptionDescription> all = DescribeTable<TrainOptions>(kTrainTable);
     for (OptionDescription& option : all) option.default_value += OtherDefaults(option.name);
     return all;
   }();

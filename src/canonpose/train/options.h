@@ -69,7 +69,7 @@ inline constexpr std::array kEnumNames<CameraConsistency>{
     EnumName{CameraConsistency::kOff, "off", "none"},
     EnumName{CameraConsistency::kStatic, "static", "those of a capture, where its cameras are static"},
     EnumName{CameraConsistency::kWindow, "window",
-             "those of a sequence that are close in time, while which even moving cameras rotate little"}};
+             "those of a sequence that are close in time, since even moving cameras rotate little meanwhile"}};
 
 enum class PerspectiveForm { kOff, kLearned };
 

@@ -23,18 +23,15 @@ std::string PresetTable() {
 
 std::string TrainingOptionsDocument() {
   return "# Options of training\n\n"
-         "Made from the tables in `src/canonpose/train/options.cc` and `morph_options.cc`; do not edit. To write it\n"
-         "again after a change there: `CANONPOSE_WRITE_DOCS=1 build/train_test "
-         "--gtest_filter=OptionsDocument.*`.\n\n"
+         "Made from the tables in `src/canonpose/train/options.cc` and `morph_options.cc`; do not edit. After a "
+         "change\n"
+         "there, write it again: `CANONPOSE_WRITE_DOCS=1 GTEST_FILTER='OptionsDocument.*' build/train_test`.\n\n"
          "## Presets\n\n"
-         "`canonpose train --preset NAME` chooses one of them; without it, it is `best`.\n\n" +
+         "`canonpose train` uses `best` unless it is given another one.\n\n" +
          PresetTable() +
          "\n## `canonpose train`\n\n"
-         "Every option is set by `--set NAME=VALUE`; some also have an option of their own (`canonpose help train`).\n"
-         "A resumed run keeps the options it was started with.\n\n" +
-         MarkdownTable(DescribeTrainOptions()) +
-         "\n## `canonpose train-morph`\n\n"
-         "Their command-line options are spelled with dashes: `--batch-poses`.\n\n" +
+         "`canonpose help train` says how an option is set. A resumed run keeps the options it was started with.\n\n" +
+         MarkdownTable(DescribeTrainOptions()) + "\n## `canonpose train-morph`\n\n" +
          MarkdownTable(DescribeMorphOptions());
 }
 

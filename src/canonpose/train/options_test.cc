@@ -106,7 +106,7 @@ TEST(TrainOptions, PublishedValues) {
   EXPECT_EQ(MakeSchedule(paper, 3200000).epochs, 100);
 }
 
-TEST(TrainOptions, SmallRecordingsAreGoneThroughMoreOften) {
+TEST(TrainOptions, SmallRecordingsArePassedThroughMoreOften) {
   TrainOptions options;
   options.min_steps = 1500;
   const Schedule schedule = MakeSchedule(options, 90);
@@ -182,7 +182,7 @@ TEST(TrainOptions, WhatChangesA3dPoseNeedsOne) {
   EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { turned.Validate(); }), HasSubstr("camera_consistency"));
 }
 
-TEST(LearningRateFactor, CosineFallsFromOneToNothingStepByStep) {
+TEST(LearningRateFactor, CosineFallsFromOneToZeroStepByStep) {
   TrainOptions options;
   options.schedule = RateSchedule::kCosine;
   const Schedule schedule{10, 20};

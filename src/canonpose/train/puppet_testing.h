@@ -52,7 +52,7 @@ inline std::array<std::array<double, 3>, kJoints> PuppetAt(double time) {
            {0.2 + 0.3 * std::abs(std::sin(right_arm)), -0.5 + 0.3 * std::cos(right_arm), 0.25 * std::sin(right_arm)}}};
 }
 
-/// The puppet, turning this way and that, seen from 3.5 m by cameras around it at several heights.
+/// The puppet, rotating to and fro, seen from 3.5 m by cameras around it at several heights.
 inline Dataset PuppetShow(int frames, int cameras, std::uint64_t seed = 1) {
   constexpr double kTilts[] = {0.1, 0.5, 0.3, 0.0};
   Rng rng(seed);
@@ -84,7 +84,7 @@ inline Dataset PuppetShow(int frames, int cameras, std::uint64_t seed = 1) {
   return dataset;
 }
 
-/// The same with the cameras that filmed it, in a world whose down the cameras' own tilt hides.
+/// The same with a calibration whose cameras are all tilted by the same angle, so that "down" is not their y axis.
 inline Dataset CalibratedShow(int frames, int cameras) {
   Dataset dataset = PuppetShow(frames, cameras);
   for (std::size_t c = 0; c < dataset.sequences[0].cameras.size(); ++c) {
@@ -98,7 +98,7 @@ inline Dataset CalibratedShow(int frames, int cameras) {
   return dataset;
 }
 
-/// What train() returns where it is asked to stop when it asks for the `polls`th time.
+/// What train() returns when it is stopped at its `polls`th query of Callbacks::stop.
 template <typename TrainOnce>
 auto StoppedAfter(int polls, TrainOnce&& train) {
   Callbacks callbacks;

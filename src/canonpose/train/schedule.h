@@ -14,16 +14,16 @@ struct Schedule {
   [[nodiscard]] std::int64_t steps() const { return epochs * steps_per_epoch; }
 };
 
-/// Number of epochs and steps that `options` ask for with `frames` training frames.
+/// The number of epochs and steps, by `options`, for `frames` training frames.
 Schedule MakeSchedule(const TrainOptions& options, std::size_t frames);
 
-/// What the learning rate is multiplied by in an epoch, counted from 0: x 0.1 after 30, 60 and 90 % of the epochs.
+/// The factor of the learning rate in an epoch, counted from 0: x 0.1 after 30, 60 and 90 % of the epochs.
 double LearningRateFactor(int epoch, int epochs);
 
 /// Half a cosine from 1 down to 0, at a step counted from 0.
 double CosineFactor(std::int64_t step, std::int64_t steps);
 
-/// The factor in a step, counted from 0, as `options.schedule` says: of its epoch, or half a cosine from 1 down to 0.
+/// The factor in a step, counted from 0, by `options.schedule`.
 double LearningRateFactor(const TrainOptions& options, const Schedule& schedule, std::int64_t step);
 
 }  // namespace canonpose

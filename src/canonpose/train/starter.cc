@@ -10,7 +10,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/train/trainer.h"
 
-// The two files that scripts/make-starter writes, as they lie in the source folder. starter_files.S has them.
+// The two files that scripts/make-starter writes into the source folder, built in by starter_files.S.
 extern "C" {
 extern const char canonpose_starter_begin[];
 extern const char canonpose_starter_end[];
@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// To be raised where training itself changes what a recipe gives; StarterCard notices changes of the simulator.
+/// Raise it when a change of training changes what a recipe gives; StarterCard notices changes of the simulator.
 constexpr int kRecipeVersion = 2;
 
 Json DescribePeople(const WildCaptureOptions& capture) {
@@ -80,7 +80,7 @@ StarterCard BuiltinStarterCard() {
 StarterRecipe StarterRecipe::Default() {
   StarterRecipe recipe;
   recipe.layouts = {"", "body_25", "body_25b", "coco-18", "coco-17", "halpe-26", "canonpose-16", "mpii-16"};
-  // Every pose is seen once: another person teaches more than another view.
+  // Every pose is seen once: one more person teaches more than one more view.
   recipe.capture.cameras = 1;
   recipe.capture.clips = 1500;
   recipe.training = PresetOptions("supervised");

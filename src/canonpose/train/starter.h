@@ -1,6 +1,6 @@
-// The starter: a crude single-view lifter for people of whom nothing is known yet, trained once on simulated people.
-// Self-calibration aligns its poses between views to begin with. It comes with the program: `scripts/make-starter`
-// trains it by StarterRecipe::Default() and writes starter/starter.cpm, which the program holds. No LibTorch in this
+// The starter: a rough single-view lifter for people nothing is known about yet, trained once on simulated people.
+// Self-calibration starts by aligning its poses between views. It comes with the program: `scripts/make-starter` trains
+// it by StarterRecipe::Default() and writes starter/starter.cpm, which is built into the program. No LibTorch in this
 // header.
 #pragma once
 
@@ -16,12 +16,12 @@
 
 namespace canonpose {
 
-/// h36m-17: any person's joints map onto it as `import` maps them (skeleton/mapping.h). Joints that a recording lacks
+/// h36m-17: the joints of any detector map onto it as in an import (skeleton/mapping.h). Joints that a recording lacks
 /// are missing in the starter's input.
 const Skeleton& StarterSkeleton();
 
-/// Whether the joints are a person's that map onto the starter's: the root, the hips, knees, shoulders and elbows of
-/// both sides, and two thirds of all joints.
+/// Whether the skeleton is a person's whose joints map onto the starter's: the root, both hips, knees, shoulders and
+/// elbows, and two thirds of all joints.
 bool StarterKnows(const Skeleton& skeleton);
 
 /// The starter that comes with the program. Throws Error(kBadInput) where the program itself is damaged.
@@ -29,33 +29,33 @@ ModelFile BuiltinStarter();
 
 /// How the starter is trained.
 struct StarterRecipe {
-  WildCaptureOptions capture;  ///< of one layout; its layout is one of `layouts`
-  /// The detectors' layouts that people are seen with, a capture each: derived joints lie elsewhere for each of them.
-  /// "": the detector finds h36m-17's own joints.
+  WildCaptureOptions capture;  ///< for each of `layouts`, which take the place of its layout
+  /// The detectors' layouts that people are seen with, one capture per layout: the joints derived from them lie in
+  /// different places. "": the detector finds h36m-17's own joints.
   std::vector<std::string> layouts;
   TrainOptions training;
 
-  /// About ten minutes of work for one core.
+  /// It takes about ten minutes on one core.
   static StarterRecipe Default();
 
-  /// All that the result depends on, as JSON.
+  /// Everything the result depends on, as JSON.
   [[nodiscard]] std::string ToJson() const;
 };
 
 /// The simulated people that the starter learns from.
 Dataset StarterPeople(const StarterRecipe& recipe);
 
-/// Trains into `run_folder`; model.cpm there is the starter. False where it was asked to stop before the end.
-/// With the same recipe it has the same bits on machines of one kind.
+/// Trains into `run_folder`, whose model.cpm is then the starter. False where it was asked to stop before the end. The
+/// same recipe gives the same bits on machines of one kind.
 bool TrainStarter(const StarterRecipe& recipe, const std::filesystem::path& run_folder);
 
-/// What tells whether a starter is the one that a recipe makes, without training it anew. Figures may differ by about
+/// Shows whether a starter is the one that a recipe makes, without training it again. The numbers may differ by about
 /// 1e-4 between machines of different kinds.
 struct StarterCard {
   std::string recipe;                ///< StarterRecipe::ToJson()
-  std::vector<double> people;        ///< of each layout: mean distance of keypoints and of joints from the camera
+  std::vector<double> people;        ///< per layout: mean distance of keypoints and of joints from the origin
   double brief_loss = 0.0;           ///< validation loss after a thousandth of the training
-  std::vector<double> unseen_error;  ///< of each layout: loss of the starter itself on people it has not seen
+  std::vector<double> unseen_error;  ///< per layout: loss of the starter itself on people it was not trained on
 
   [[nodiscard]] std::string ToJson() const;
   /// Throws Error(kBadInput) naming `file` where the text is not a card.

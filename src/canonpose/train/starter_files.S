@@ -1,4 +1,4 @@
-// What scripts/make-starter wrote, as part of the program; found in the folder starter/.
+// Builds the files that scripts/make-starter wrote to starter/ into the program.
     .section .rodata
     .balign 16
     .global canonpose_starter_begin, canonpose_starter_end

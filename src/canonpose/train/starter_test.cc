@@ -16,7 +16,7 @@ namespace {
 using testing::ErrorOf;
 using ::testing::HasSubstr;
 
-// Machines differ in the last bits of what they compute, and training for some steps makes more of them.
+// Machines differ in the last bits of their results, and some steps of training amplify that.
 constexpr double kRelativeTolerance = 2e-3;
 
 TEST(Starter, IsWhatItsRecipeMakes) {

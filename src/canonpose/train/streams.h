@@ -1,4 +1,4 @@
-// What training draws random numbers for: the first stream number of its generators (base/random.h), each used once.
+// The first stream number of each random generator of training (base/random.h): what it draws numbers for.
 #pragma once
 
 #include <cstdint>

@@ -14,14 +14,14 @@
 namespace canonpose {
 namespace {
 
-/// Clips are long enough that the residuals of neighbours are nearly independent; of a short recording, a share that
-/// gives several.
+/// Clips are so long that the residuals of neighbouring ones are nearly independent; in a short recording they are
+/// shorter, so that there are several.
 constexpr int kLongestClip = 25;
 constexpr int kShortestClip = 5;
 constexpr int kClipsWanted = 8;
 
-/// Frames are held out at the end of every stretch of this length: spread over the recording, yet not next to every
-/// training frame.
+/// Frames are held out at the end of every stretch of this length: they are spread over the recording, yet few training
+/// frames are next to one.
 constexpr int kValidationStretch = 50;
 
 constexpr double kUnknownFramesPerSecond = 30.0;
@@ -32,7 +32,7 @@ bool IsHeldOut(int frame, int frame_count, double share) {
   return frame - first >= length - static_cast<int>(std::floor(share * length));
 }
 
-/// Numbers names in the order in which they come.
+/// Numbers names in the order of their first appearance.
 class Numbering {
  public:
   int operator()(const std::string& name) {
@@ -48,7 +48,7 @@ class Builder {
   Builder(TrainingSplit& split, const Skeleton& skeleton, int clip_frames, const RowForm& form)
       : split_(split), root_(skeleton.root), clip_frames_(clip_frames), form_(form), input_(form.input, skeleton) {}
 
-  /// `source` says which dataset and sequence it is.
+  /// `source` has the numbers of dataset and sequence.
   void Add(const Sequence& sequence, RowSource source, double validation_share) {
     const std::string file_key = sequence.capture_is_named ? "" : fmt::format("{}", source.dataset);
     const int capture = captures_(fmt::format("{}/{}", file_key, sequence.capture));
@@ -85,7 +85,7 @@ class Builder {
       set.frames.push_back(std::move(frame));
       return;
     }
-    // One view has no other to be consistent with.
+    // A single view has no other to be consistent with.
     set.keypoints.resize(first_row * 2 * joints);
     set.confidence.resize(first_row * joints);
     set.sources.resize(first_row);
@@ -93,7 +93,7 @@ class Builder {
     ++split_.frames_left_out;
   }
 
-  /// Appends the target of a view; false where too little of it is known.
+  /// Appends the target of a view. False where too little of it is known.
   bool AddTarget(const CameraView& view, int t, TrainingSet& set) {
     const std::vector<float>& poses = TargetPoses(view, form_.target);
     if (poses.empty()) return false;
@@ -127,7 +127,7 @@ class Builder {
   std::vector<float> target_;
 };
 
-/// Of uncertainties relative to the poses' sizes. A joint of unknown uncertainty counts as one of the median.
+/// Replaces uncertainties, relative to the poses' sizes, by weights. An unknown uncertainty counts as the median.
 void MakeWeights(std::vector<float>& uncertainties) {
   std::vector<float> known;
   std::copy_if(uncertainties.begin(), uncertainties.end(), std::back_inserter(known),
@@ -207,21 +207,20 @@ TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double val
   MakeWeights(split.training.target_weight);
   if (split.training.frames.empty() && form.target == TrainingTarget::kTruth) {
     ThrowComputation(
-        "no frame has a true 3D pose to learn from: the preset supervised needs datasets with truth; the others do "
-        "not");
+        "no frame has both a 2D pose and a true 3D pose to learn from: check the data, or train with another preset");
   }
   if (split.training.frames.empty() && form.target == TrainingTarget::kSolved) {
     ThrowComputation(
-        "no frame has a solved 3D pose and a 2D pose to learn from it: look at the output of `canonpose solve`");
+        "no frame has both a 2D pose and a solved 3D pose to learn from: check the report of `canonpose solve`");
   }
   if (split.training.frames.empty() && MostCameras(datasets) < 2) {
     ThrowComputation(
-        "all recordings have one camera: learning without labels needs the views of two cameras at least (to lift with "
-        "a model, one is enough)");
+        "all recordings have one camera: learning without labels needs at least two (one is enough to lift with a "
+        "trained model)");
   }
   if (split.training.frames.empty()) {
     ThrowComputation(
-        "no frame is seen by two cameras at once ({} frames are seen by one or none): check that the cameras are "
+        "in no frame do two cameras see the person ({} frames are seen by one or none): check that the cameras are "
         "synchronised and that the hips are detected",
         split.frames_left_out);
   }

@@ -1,4 +1,4 @@
-// What training sees of datasets: every usable 2D pose, normalised, and which of them were taken at the same moment.
+// What training uses of datasets: every usable 2D pose, normalised, and which of them were taken at the same moment.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct TrainingView {
 /// One moment, seen by at least one camera.
 struct TrainingFrame {
   int capture = 0;  ///< frames of one capture share their cameras
-  int clip = 0;     ///< consecutive frames of one sequence, the unit that statistics are averaged over
+  int clip = 0;     ///< a run of consecutive frames of one sequence; statistics treat clips as independent
   std::vector<TrainingView> views;
   int sequence = 0;      ///< number of its sequence, counted over all datasets
   double seconds = 0.0;  ///< since the sequence's first frame; 30 frames a second where the rate is unknown
@@ -46,17 +46,17 @@ struct TrainingSet {
   std::vector<float> target;
   std::vector<float> target_weight;  ///< (N, J) how much a joint of the target counts; empty: all the same
   std::vector<RowSource> sources;    ///< (N)
-  /// (N) the turn that brings a row's root onto the optical axis (model/pose_input.h); empty where nothing is turned.
+  /// (N) the rotation of a row's root onto the optical axis (model/pose_input.h); empty where there is none.
   std::vector<Eigen::Matrix3f> turned_from_camera;
   std::vector<TrainingFrame> frames;
-  std::vector<std::uint8_t> static_captures;  ///< per capture: whether its cameras stand still
+  std::vector<std::uint8_t> static_captures;  ///< per capture: whether its cameras are static
 
   [[nodiscard]] int row_count() const {
     return joint_count == 0 ? 0 : static_cast<int>(confidence.size()) / joint_count;
   }
 };
 
-/// A row of a set or a batch, to be changed in place: its J joints' values as above; null where the set has none.
+/// A row of a set or a batch, to be changed in place: the values of its J joints, as above; null where there are none.
 struct TrainingRow {
   float* keypoints = nullptr;
   float* confidence = nullptr;
@@ -70,37 +70,36 @@ struct TrainingSplit {
   int frames_left_out = 0;  ///< seen by too few cameras: fewer than two, or none whose target is known
 };
 
-/// What the network is to learn from.
+/// What the network learns from.
 enum class TrainingTarget {
   kViews,   ///< other views: frames seen by two cameras or more
-  kTruth,   ///< the true 3D poses: views whose truth has the root and at least half of the joints
-  kSolved,  ///< likewise the 3D poses that `solve` found, or that LearnFromTriangulation() put in their place
+  kTruth,   ///< true 3D poses: views whose truth has the root and at least half of the joints
+  kSolved,  ///< likewise the 3D poses that Solve() found, or that LearnFromTriangulation() put in their place
 };
 
 /// Triangulated poses take the place of solved ones (train/triangulated_targets.h).
 TrainingTarget TargetOf(Supervision supervision);
 
-/// The poses of a view that are to be learnt, (T, J, 3), and the cameras that belong to them; empty where there are
-/// none.
+/// The poses of a view to learn, (T, J, 3), and the cameras that belong to them; empty where there are none.
 const std::vector<float>& TargetPoses(const CameraView& view, TrainingTarget target);
 const std::vector<Camera>& TargetCameras(const CameraView& view, TrainingTarget target);
 
-/// What the network is to answer: a pose (J, 3), turned, centred on the root and of unit Frobenius norm over the joints
-/// that are known, planar; NaN where unknown. `target` is (3J). Returns the norm it was divided by, or nothing,
-/// `target` unspecified, where the root or more than half of the joints are unknown.
+/// The target (3J) that a pose (J, 3) makes: rotated, centred on the root, divided by its Frobenius norm over the known
+/// joints, planar; NaN where unknown. Returns the norm, or nothing, `target` unspecified, where the root or more than
+/// half of the joints are unknown.
 std::optional<double> NormaliseTarget(const float* pose, int joint_count, int root,
                                       const Eigen::Matrix3d& turned_from_camera, float* target);
 
 /// How MakeTrainingSplit() makes rows of views.
 struct RowForm {
   TrainingTarget target = TrainingTarget::kViews;
-  InputForm input;  ///< the target is turned as the input is
+  InputForm input;  ///< the target is rotated like the input
   bool uncertainty_weights = false;
 };
 
-/// The frames of all datasets, `validation_share` of them held out: the end of every 50 frames of a sequence. Sequences
-/// of one capture share their cameras by name, also across datasets where the capture is named in the file. Only the
-/// training set has target weights. Throws Error(kComputation) where no frame can be used.
+/// The frames of all datasets. `validation_share` of them is held out: the end of every 50 frames of a sequence.
+/// Cameras of the same name in sequences of one capture are the same, also across datasets if the file names the
+/// capture. Only the training set has target weights. Throws Error(kComputation) where no frame can be used.
 TrainingSplit MakeTrainingSplit(const std::vector<Dataset>& datasets, double validation_share,
                                 const RowForm& form = {});
 

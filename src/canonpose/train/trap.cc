@@ -25,12 +25,13 @@ double Median(std::vector<double>& values) {
   return *middle;
 }
 
-// In the right basin depth was 0.89 to 1.02 and scatter 0.09 to 0.22 of the angle. In the trap depth was 1.5 to 3.3, or
-// scatter 0.7 to 1.0 of the angle, or both; of moving cameras, within clips, it was 0.27 even there (docs/results.md).
+// In good runs depth was 0.89 to 1.02 of width, and scatter 0.09 to 0.22 of the angle. In the trap depth was 1.5
+// to 3.3, or scatter 0.7 to 1.0 of the angle, or both; with moving cameras, within clips, scatter was 0.27 even there
+// (docs/results.md).
 constexpr double kSuspiciousDepth = 1.25;
 constexpr double kTrappedDepth = 1.5;
 constexpr double kFlat = 0.5;
-// Of views that differ at all; an untrained network's are 2 degrees apart.
+// Views of an untrained network are 2 degrees apart.
 constexpr double kSmallestAngleDegrees = 10.0;
 constexpr double kSuspiciousScatter = 0.4;
 constexpr double kTrappedScatter = 0.6;
@@ -39,7 +40,7 @@ double AngleDegrees(const Eigen::Matrix3d& rotation) {
   return std::acos(std::clamp((rotation.trace() - 1.0) / 2.0, -1.0, 1.0)) * kDegrees;
 }
 
-/// Adds what the lifter makes of a chunk of frames.
+/// Adds the lifter's poses and rotations for a chunk of frames.
 void AddChunk(LiftingNetwork& lifter, const TrainingSet& set, const std::vector<const TrainingFrame*>& frames, int root,
               torch::Device device, TrapStatistics& statistics) {
   const LifterOutput output = lifter.forward(LifterInput(GatherBatch(set, frames, device)));
@@ -51,8 +52,8 @@ void AddChunk(LiftingNetwork& lifter, const TrainingSet& set, const std::vector<
   const auto pose_of = [&](std::int64_t row) {
     return Eigen::Map<const Planar>(pose.data_ptr<double>() + row * 3 * set.joint_count, 3, set.joint_count);
   };
-  // A lifter that sees a turned camera is asked for the camera itself, which may stand still while the turn follows the
-  // person.
+  // Where the input was rotated onto the root, that is undone: the camera itself may be static while that rotation
+  // follows the person.
   const auto rotation_of = [&](std::int64_t row, int set_row) -> Eigen::Matrix3d {
     const Eigen::Map<const RowMajor3> seen(rotation.data_ptr<double>() + row * 9);
     if (set.turned_from_camera.empty()) return seen;
@@ -61,7 +62,7 @@ void AddChunk(LiftingNetwork& lifter, const TrainingSet& set, const std::vector<
   std::int64_t first_row = 0;
   for (const TrainingFrame* frame : frames) {
     const bool is_static = set.static_captures[static_cast<std::size_t>(frame->capture)] != 0;
-    // Captures and clips are numbered apart.
+    // Captures get negative numbers, clips the others.
     const int group = is_static ? -1 - frame->capture : frame->clip;
     const auto views = static_cast<std::int64_t>(frame->views.size());
     for (std::int64_t i = 0; i < views; ++i) {
@@ -80,12 +81,12 @@ void AddChunk(LiftingNetwork& lifter, const TrainingSet& set, const std::vector<
 }  // namespace
 
 std::string TrapSigns::Describe() const {
-  return fmt::format("poses {:.2f} times as deep as wide, views {:.0f} degrees apart, scattered by {:.0f}", depth_ratio,
-                     angle_deg, scatter_deg);
+  return fmt::format("poses are {:.2f} times as deep as wide; two views are {:.0f} degrees apart, give or take {:.0f}",
+                     depth_ratio, angle_deg, scatter_deg);
 }
 
 TrapVerdict JudgeTrap(const TrapSigns& signs) {
-  const double scatter = signs.scatter_deg / signs.angle_deg;  // NaN, which is not more than anything, where unknown
+  const double scatter = signs.scatter_deg / signs.angle_deg;  // NaN, which exceeds nothing, where it is unknown
   if (signs.depth_ratio > kTrappedDepth || scatter > kTrappedScatter) return TrapVerdict::kTrapped;
   const bool is_plausible =
       signs.depth_ratio >= kFlat && signs.depth_ratio <= kSuspiciousDepth && signs.angle_deg >= kSmallestAngleDegrees;
@@ -96,16 +97,20 @@ TrapFinding ReportTrap(const TrapSigns& signs, const InputForm& input) {
   TrapFinding finding{"right", signs.depth_ratio, signs.angle_deg, signs.scatter_deg};
   const TrapVerdict verdict = JudgeTrap(signs);
   if (verdict == TrapVerdict::kRight) {
-    LogInfo("trap: none seen ({})", signs.Describe());
+    LogInfo("trap: none, the 3D poses are plausible ({})", signs.Describe());
     return finding;
   }
   finding.verdict = verdict == TrapVerdict::kTrapped ? "trapped" : "suspicious";
   LogWarning(
-      "trap: training {} in a solution that is none ({}; people seen from all around are as deep as wide, and cameras "
-      "turn little from frame to frame): train again with {}`camera_consistency=static` where cameras stand still, "
-      "`camera_consistency=window` `camera_weight=0.5` where they move, more epochs or another `seed`",
-      verdict == TrapVerdict::kTrapped ? "has settled" : "may have settled", signs.Describe(),
-      input.ray == RayForm::kOff ? "" : "`ray=off` and ");  // which camera consistency needs
+      "trap: {} (the signs: {}; good poses of people seen from all around are about as deep as wide, and the angle "
+      "between two cameras hardly changes from frame to frame). Train again with {}`camera_consistency=static` if the "
+      "cameras are static, or `camera_consistency=window` and `camera_weight=0.5` if they move; or with more `epochs`, "
+      "or another `seed`",
+      verdict == TrapVerdict::kTrapped
+          ? "do not use these 3D poses, training ended in a degenerate solution with wrong depths"
+          : "check these 3D poses before using them, training may have ended in a degenerate solution with wrong "
+            "depths",
+      signs.Describe(), input.ray == RayForm::kOff ? "" : "`ray=off` and ");  // which camera consistency needs
   return finding;
 }
 

@@ -20,8 +20,8 @@ Eigen::Matrix3d TurnAbout(const Eigen::Vector3d& axis, double degrees) {
   return Eigen::AngleAxisd(degrees / 180.0 * M_PI, axis).toRotationMatrix();
 }
 
-/// Upright people, three times as high as wide, facing all ways before two cameras that look down by `tilt_degrees`;
-/// `exaggeration` multiplies their depth in the image's frame.
+/// Upright people, three times as high as wide, facing in all directions in front of two cameras that look down by
+/// `tilt_degrees`; `exaggeration` multiplies their depth in the image's frame.
 TrapSigns SignsOf(double exaggeration, double tilt_degrees) {
   Rng rng(4);
   TrapStatistics statistics;
@@ -104,7 +104,7 @@ TEST(ReportTrap, AdvisesNothingThatTheOptionsRefuse) {
   EXPECT_THAT(advice({RayForm::kRoot, FocalSource::kGuess}), HasSubstr("`ray=off` and `camera_consistency=static`"));
 }
 
-/// A lifter that sees the same body everywhere, whose joints lie on the axes, under the same rotation.
+/// A lifter with the same output everywhere: a body whose joints lie on the axes, and one rotation.
 Lifter ConstantLifter(double depth, double yaw_degrees, RotationForm form = RotationForm::kAxisAngle) {
   Lifter lifter(7, 4, form);
   const torch::NoGradGuard no_grad;
@@ -157,9 +157,9 @@ TEST_P(TrapOfForm, ReadsALifterOfKnownDepth) {
   EXPECT_NEAR(MeasureTrapSigns(*turned, AnyViews(60), 0, torch::kCPU).depth_ratio, 1.0 / 1.7, 1e-5);
 }
 
-TEST(MeasureTrapSigns, AsksForTheRotationsOfCamerasThatAreNotTurnedOntoThePerson) {
-  // What turned cameras see stays as it is while the turn of the second one follows the person: it is the camera that
-  // the lifter takes to swing by 10 degrees about the 30 of its mean.
+TEST(MeasureTrapSigns, MeasuresTheCamerasThemselvesNotThoseRotatedOntoThePerson) {
+  // The output for the rotated input is constant while the rotation onto the root follows the person in the second
+  // view: so it is the camera that swings by 10 degrees about its mean of 30, as the lifter sees it.
   TrainingSet set = AnyViews(60);
   for (int n = 0; n < 60; ++n) {
     set.turned_from_camera.emplace_back(Eigen::Matrix3f::Identity());

@@ -1,4 +1,4 @@
-// Learning from poses that known cameras make of 2D keypoints.
+// Learning from poses triangulated from 2D keypoints with known cameras.
 //
 // Kocabas et al., "Self-Supervised Learning of 3D Human Pose using Multi-view Geometry" (EpipolarPose), CVPR 2019.
 #pragma once
@@ -7,8 +7,8 @@
 
 namespace canonpose {
 
-/// Puts the poses that the calibration makes of the keypoints (evaluate/reference.h, TriangulateSequence()) in the
-/// place of solved ones, and the calibrated cameras in that of solved cameras.
+/// Replaces solved poses by triangulated ones (TriangulateSequence() of evaluate/reference.h), and solved cameras by
+/// the calibrated ones.
 void LearnFromTriangulation(Dataset& dataset);
 
 }  // namespace canonpose

@@ -17,11 +17,11 @@
 #include "canonpose/base/log.h"
 #include "canonpose/cli/commands.h"
 #include "canonpose/cli/option_names.h"
-#include "canonpose/cli/evaluate_datasets.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/evaluate/archives.h"
 #include "canonpose/evaluate/report.h"
 #include "canonpose/lift/lifter.h"
+#include "canonpose/pipeline/evaluate_datasets.h"
 
 namespace canonpose {
 namespace {
@@ -43,14 +43,6 @@ struct EvaluateArguments {
   bool list_protocols = false;
   std::string device = "cpu";
 };
-
-Predictor ModelPoses(const PoseLifter& lifter) {
-  return {[&](const Dataset& dataset, const std::string& file) { lifter.RequireSkeleton(dataset.skeleton, file); },
-          [&](const Sequence& sequence, std::size_t camera) {
-            LiftedPoses poses = lifter.Lift(sequence.cameras[camera], sequence.frame_count);
-            return PredictedPoses{std::move(poses.pose_in_camera), std::move(poses.canonical)};
-          }};
-}
 
 DatasetEvaluation Job(const EvaluateArguments& arguments, FrameErrors* frame_errors) {
   DatasetEvaluation job;

@@ -1,4 +1,4 @@
-#include "canonpose/cli/bootstrap.h"
+#include "canonpose/pipeline/bootstrap.h"
 
 #include <algorithm>
 #include <array>
@@ -116,7 +116,7 @@ StartPoses Bootstrap(const Dataset& dataset, const std::string& file, const Boot
   if (options.kind == "starter" && !knows) {
     ThrowBadInput({file, "/skeleton", "a person's joints, by the names of a built-in skeleton",
                    fmt::format("{}", fmt::join(dataset.skeleton.joints, ", ")),
-                   "choose another --bootstrap, or name a model that was trained on such data"});
+                   "choose another `bootstrap`, or name a `model` that was trained on such data"});
   }
   if (options.kind == "factorisation" || (options.kind == "auto" && !knows && stands)) {
     return FactorisedStart(dataset, file);

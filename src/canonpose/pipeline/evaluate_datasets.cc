@@ -1,4 +1,4 @@
-#include "canonpose/cli/evaluate_datasets.h"
+#include "canonpose/pipeline/evaluate_datasets.h"
 
 #include <algorithm>
 #include <limits>
@@ -174,7 +174,7 @@ void Run::ThrowNothingLeft() const {
   const std::string file = job_.files.front().string();
   if (sequences_too_short_ > 0) {
     ThrowBadInput({file, "", fmt::format("{}, as {} evaluates", PosesInWords(protocol), protocol.name), "none of them",
-                   "choose --frames that hold some"});
+                   "choose `frames` that hold some"});
   }
   std::vector<std::string> subjects = left_out_subjects_;
   std::sort(subjects.begin(), subjects.end());
@@ -182,7 +182,7 @@ void Run::ThrowNothingLeft() const {
   ThrowBadInput({file, "",
                  fmt::format("subjects {}, whom {} evaluates", fmt::join(protocol.subjects, " and "), protocol.name),
                  subjects.empty() ? "no sequences" : fmt::format("{}", fmt::join(subjects, ", ")),
-                 fmt::format("give the data of these subjects, or --protocol {}", kAllFrames)});
+                 fmt::format("give the data of these subjects, or `protocol={}`", kAllFrames)});
 }
 
 EvaluationReport Run::Finish() {
@@ -202,10 +202,18 @@ Predictor SolvedPoses() {
   return {[](const Dataset& dataset, const std::string& file) {
             if (dataset.HasSolved()) return;
             ThrowBadInput({file, "", "solved poses, since no model was given", "none",
-                           "name a model before the data, or give --triangulate"});
+                           "name a model before the data, or give `triangulate`"});
           },
           [](const Sequence& sequence, std::size_t camera) {
             return PredictedPoses{sequence.cameras[camera].solved, {}};
+          }};
+}
+
+Predictor ModelPoses(const PoseLifter& lifter) {
+  return {[&](const Dataset& dataset, const std::string& file) { lifter.RequireSkeleton(dataset.skeleton, file); },
+          [&](const Sequence& sequence, std::size_t camera) {
+            LiftedPoses poses = lifter.Lift(sequence.cameras[camera], sequence.frame_count);
+            return PredictedPoses{std::move(poses.pose_in_camera), std::move(poses.canonical)};
           }};
 }
 
@@ -222,7 +230,7 @@ Predictor TriangulatedPoses() {
             }
             if (!dataset.HasCalibration()) {
               ThrowBadInput(
-                  {file, "", "calibrated cameras to triangulate from", "none", "import the data with --calibration"});
+                  {file, "", "calibrated cameras to triangulate from", "none", "import the data with `calibration`"});
             }
           },
           [cache](const Sequence& sequence, std::size_t camera) {

@@ -12,8 +12,8 @@
 namespace canonpose {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::ErrorOf;
+using ::testing::HasSubstr;
 
 /// Two joints at known places of the world, in two frames, as two solved cameras have them and a third does not.
 Dataset Solved(const Eigen::Matrix<float, 4, 3>& in_world) {

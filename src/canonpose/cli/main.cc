@@ -54,7 +54,7 @@ int ReportUnexpected(const Terminal& terminal, const std::string& what) {
     terminal.Print(
         fmt::format("error: {} (this is a fault in canonpose: please report it with the command you ran)", line));
   }
-  return static_cast<int>(ErrorKind::kComputation);
+  return static_cast<int>(ExitCode::kComputation);
 }
 
 /// What was printed must have arrived, also on a full disk.
@@ -64,7 +64,7 @@ int FinishOutput(const Terminal& terminal) {
   terminal.Print(
       "error: standard output: expected a place that can be written, found none; free some space and run the command "
       "again");
-  return static_cast<int>(ErrorKind::kBadInput);
+  return static_cast<int>(ExitCode::kBadInput);
 }
 
 int Main(int argc, char** argv) {
@@ -103,7 +103,7 @@ int Main(int argc, char** argv) {
       return FinishOutput(terminal);
     }
     terminal.Print("error: " + DescribeMistake(app, error));
-    return static_cast<int>(ErrorKind::kInvalidArgument);
+    return static_cast<int>(ExitCode::kUsage);
   } catch (const Error& error) {
     terminal.Print("error: " + SpellOptions(error.what(), app));
     return static_cast<int>(ExitCodeOf(error.kind()));
@@ -111,7 +111,7 @@ int Main(int argc, char** argv) {
     return ReportUnexpected(terminal, "out of memory");
   } catch (const std::filesystem::filesystem_error& error) {
     terminal.Print(fmt::format("error: {}: {}; check the path", error.path1().string(), error.code().message()));
-    return static_cast<int>(ErrorKind::kBadInput);
+    return static_cast<int>(ExitCode::kBadInput);
   } catch (const std::exception& error) {
     return ReportUnexpected(terminal, error.what());
   }

@@ -9,7 +9,6 @@
 
 #include "canonpose/data/dataset.h"
 #include "canonpose/evaluate/evaluation.h"
-#include "canonpose/lift/lifter.h"
 
 namespace canonpose {
 
@@ -38,9 +37,6 @@ struct Predictor {
 
 /// The stored poses of a solved dataset.
 Predictor SolvedPoses();
-
-/// What a model sees in each view by itself. Keeps a reference to `lifter`.
-Predictor ModelPoses(const PoseLifter& lifter);
 
 /// What all calibrated cameras together give, to be compared with truth: no lifter of a single view with the same
 /// keypoints does better.

@@ -67,7 +67,7 @@ class PoseSequence {
 
   std::string name;  ///< of the person
   LengthUnit unit = LengthUnit::kBodyLengths;
-  CoordinateFrame frame;
+  CoordinateFrame coordinate_frame;
   double fps = 0.0;                  ///< 0 where unknown
   std::vector<double> time_seconds;  ///< (T); empty: frame / fps
 

@@ -130,7 +130,7 @@ TEST(Scene, PeopleMustShareUnitFramesAndTimes) {
   scene.people[1] = Person("b", 4);
   EXPECT_THROW(scene.Validate(), std::logic_error);
   scene.people[1] = Person("b", 3);
-  scene.people[1].frame = {CoordinateFrame::Kind::kCamera, "cam1"};
+  scene.people[1].coordinate_frame = {CoordinateFrame::Kind::kCamera, "cam1"};
   EXPECT_THROW(scene.Validate(), std::logic_error);
   scene.people.pop_back();
   scene.cameras.emplace_back().calibration.resize(2);

@@ -12,7 +12,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
-#include "canonpose/simulate/readers/channels.h"
+#include "canonpose/motion/channels.h"
 
 namespace canonpose {
 namespace {

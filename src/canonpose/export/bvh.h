@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "canonpose/simulate/motion.h"
+#include "canonpose/motion/articulated_motion.h"
 
 namespace canonpose {
 

@@ -15,27 +15,21 @@
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/random.h"
 #include "canonpose/base/testing.h"
-#include "canonpose/simulate/mocap.h"
+#include "canonpose/motion/landmark_mapping.h"
+#include "canonpose/motion/motion_files.h"
+#include "canonpose/motion/motion_testing.h"
+#include "canonpose/motion/readers/bvh.h"
 
 namespace canonpose {
 namespace {
 
 using Eigen::Vector3d;
 using testing::ErrorOf;
+using testing::PositionsByName;
 using testing::Shared;
 using testing::TemporaryFolder;
 
 constexpr double kToleranceMm = 0.1;
-
-/// Positions of a frame by the joints' names.
-std::map<std::string, Vector3d> PositionsOf(const ArticulatedMotion& motion, int frame) {
-  std::vector<Vector3d> positions;
-  std::vector<Eigen::Quaterniond> rotations;
-  ForwardKinematics(motion, frame, positions, rotations);
-  std::map<std::string, Vector3d> by_name;
-  for (std::size_t j = 0; j < positions.size(); ++j) by_name[motion.joints[j].name] = positions[j];
-  return by_name;
-}
 
 /// The largest distance between the joints of both, which must have the same names and parents; mm.
 double LargestDifference(const ArticulatedMotion& a, const ArticulatedMotion& b) {
@@ -51,8 +45,8 @@ double LargestDifference(const ArticulatedMotion& a, const ArticulatedMotion& b)
   EXPECT_EQ(parents(a), parents(b));
   double largest = 0.0;
   for (int t = 0; t < std::min(a.frame_count(), b.frame_count()); ++t) {
-    const std::map<std::string, Vector3d> of_b = PositionsOf(b, t);
-    for (const auto& [name, position] : PositionsOf(a, t))
+    const std::map<std::string, Vector3d> of_b = PositionsByName(b, t);
+    for (const auto& [name, position] : PositionsByName(a, t))
       largest = std::max(largest, (position - of_b.at(name)).norm());
   }
   return largest;

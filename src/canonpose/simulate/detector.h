@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "canonpose/base/random.h"
-#include "canonpose/simulate/landmarks.h"
+#include "canonpose/motion/landmarks.h"
 #include "canonpose/simulate/rig.h"
 #include "canonpose/skeleton/mapping.h"
 
@@ -39,8 +39,8 @@ struct DetectorOptions {
 struct Detections {
   std::vector<float> keypoints;   ///< (T, K, 2) pixels; NaN where not detected
   std::vector<float> confidence;  ///< (T, K) 0..1; 0 where not detected
-  /// What went wrong, per joint (T, K), for statistics: a combination of DetectionErrorKind. kOccluded is told where hidden
-  /// joints have errors of their own (occlusion > 0), kMissed also of every joint of a missed frame.
+  /// What went wrong, per joint (T, K), for statistics: a combination of DetectionErrorKind. kOccluded is told where
+  /// hidden joints have errors of their own (occlusion > 0), kMissed also of every joint of a missed frame.
   std::vector<std::uint8_t> errors;
 };
 

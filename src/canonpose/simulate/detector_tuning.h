@@ -8,7 +8,7 @@
 
 #include <array>
 
-#include "canonpose/simulate/landmarks.h"
+#include "canonpose/motion/landmarks.h"
 
 namespace canonpose::tuning {
 
@@ -48,7 +48,7 @@ inline constexpr double kOccludedSeconds = 0.35;
 inline constexpr double kOcclusionRampSeconds = 0.08;
 inline constexpr double kPull = 0.12;        ///< mean share of the way to the other side's joint
 inline constexpr double kPullSpread = 0.12;  ///< and its standard deviation
-inline constexpr double kMaxPull = 0.05;    ///< no further than this
+inline constexpr double kMaxPull = 0.05;     ///< no further than this
 
 /// A stretch of frames in which something goes wrong: how often it begins, how long it lasts.
 struct Stretch {

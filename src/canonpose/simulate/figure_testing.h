@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "canonpose/simulate/landmarks.h"
+#include "canonpose/motion/landmarks.h"
 
 namespace canonpose::testing {
 

@@ -6,13 +6,13 @@
 
 #include <Eigen/Core>
 
-#include "canonpose/simulate/landmarks.h"
+#include "canonpose/motion/landmarks.h"
 #include "canonpose/skeleton/mapping.h"
 
 namespace canonpose {
 
 /// A joint is hidden where the line of sight to the skin in front of it passes through a limb, the trunk or the head
-/// (BodyCapsules()) that it is no part of.
+/// that it is not a part of. Each of these is a capsule.
 class OcclusionTest {
  public:
   explicit OcclusionTest(const LayoutMapping& from_landmarks);

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "canonpose/simulate/landmarks.h"
-#include "canonpose/simulate/motion.h"
+#include "canonpose/motion/articulated_motion.h"
+#include "canonpose/motion/landmarks.h"
 
 namespace canonpose {
 

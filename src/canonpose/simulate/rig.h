@@ -10,7 +10,7 @@
 
 #include "canonpose/base/random.h"
 #include "canonpose/geometry/camera.h"
-#include "canonpose/simulate/landmarks.h"
+#include "canonpose/motion/landmarks.h"
 
 namespace canonpose {
 

@@ -13,7 +13,8 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/hash.h"
 #include "canonpose/base/random.h"
-#include "canonpose/simulate/mocap.h"
+#include "canonpose/motion/landmark_mapping.h"
+#include "canonpose/motion/motion_files.h"
 
 namespace canonpose {
 namespace {

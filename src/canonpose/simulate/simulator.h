@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "canonpose/data/dataset.h"
+#include "canonpose/motion/articulated_motion.h"
 #include "canonpose/simulate/detector.h"
-#include "canonpose/simulate/motion.h"
 #include "canonpose/simulate/procedural.h"
 #include "canonpose/simulate/rig.h"
 

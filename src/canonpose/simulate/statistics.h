@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "canonpose/motion/landmarks.h"
 #include "canonpose/simulate/detector.h"
-#include "canonpose/simulate/landmarks.h"
 #include "canonpose/simulate/rig.h"
 
 namespace canonpose {

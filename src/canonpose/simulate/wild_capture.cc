@@ -17,7 +17,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/progress.h"
 #include "canonpose/base/random.h"
-#include "canonpose/simulate/mocap.h"
+#include "canonpose/motion/landmark_mapping.h"
 #include "canonpose/simulate/procedural.h"
 #include "canonpose/simulate/rig_parts.h"
 #include "canonpose/skeleton/mapping.h"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "canonpose/base/random.h"
-#include "canonpose/simulate/motion.h"
+#include "canonpose/motion/articulated_motion.h"
 
 namespace canonpose {
 

@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "canonpose/simulate/motion.h"
+#include "canonpose/motion/articulated_motion.h"
 
 namespace canonpose {
 

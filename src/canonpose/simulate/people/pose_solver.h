@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "canonpose/simulate/motion.h"
+#include "canonpose/motion/articulated_motion.h"
 #include "canonpose/simulate/people/stage.h"
 
 namespace canonpose {

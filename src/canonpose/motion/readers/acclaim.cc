@@ -1,3 +1,5 @@
+#include "canonpose/motion/readers/acclaim.h"
+
 #include <algorithm>
 #include <cctype>
 #include <string>
@@ -8,9 +10,8 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/simulate/mocap.h"
-#include "canonpose/simulate/readers/acclaim_skeleton.h"
-#include "canonpose/simulate/readers/text_lines.h"
+#include "canonpose/motion/readers/acclaim_skeleton.h"
+#include "canonpose/motion/readers/text_lines.h"
 
 namespace canonpose {
 namespace {

@@ -1,3 +1,5 @@
+#include "canonpose/motion/readers/bvh.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,10 +13,9 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
-#include "canonpose/simulate/landmark_mapping.h"
-#include "canonpose/simulate/mocap.h"
-#include "canonpose/simulate/readers/channels.h"
-#include "canonpose/simulate/readers/text_lines.h"
+#include "canonpose/motion/channels.h"
+#include "canonpose/motion/landmark_mapping.h"
+#include "canonpose/motion/readers/text_lines.h"
 
 namespace canonpose {
 namespace {

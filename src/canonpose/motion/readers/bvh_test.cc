@@ -1,5 +1,8 @@
+#include "canonpose/motion/readers/bvh.h"
+
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -9,7 +12,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/testing.h"
-#include "canonpose/simulate/mocap.h"
+#include "canonpose/motion/motion_testing.h"
 
 namespace canonpose {
 namespace {
@@ -18,6 +21,7 @@ using Eigen::Vector3d;
 using ::testing::AllOf;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
+using testing::PositionsByName;
 using testing::TemporaryFolder;
 using testing::TestData;
 
@@ -44,22 +48,11 @@ std::string BvhError(const std::string& from, const std::string& to) {
   return ErrorOf(ErrorKind::kBadInput, [&] { Read(Replaced(Tiny(), from, to)); });
 }
 
-Vector3d At(const ArticulatedMotion& motion, int frame, const std::string& joint) {
-  std::vector<Vector3d> positions;
-  std::vector<Eigen::Quaterniond> rotations;
-  ForwardKinematics(motion, frame, positions, rotations);
-  for (std::size_t j = 0; j < positions.size(); ++j) {
-    if (motion.joints[j].name == joint) return positions[j];
-  }
-  ADD_FAILURE() << joint;
-  return Vector3d::Zero();
-}
-
 void ExpectHandComputed(const ArticulatedMotion& motion) {
   ASSERT_EQ(motion.frame_count(), 2);
   ASSERT_EQ(motion.joint_count(), 5);
   const auto expect_at = [&](int frame, const char* joint, const Vector3d& expected) {
-    const Vector3d found = At(motion, frame, joint);
+    const Vector3d found = PositionsByName(motion, frame).at(joint);
     EXPECT_LT((found - expected).norm(), 1e-9) << joint << " in " << frame << ": " << found.transpose();
   };
   expect_at(0, "Hips", {0, 0, 1000});
@@ -112,7 +105,8 @@ TEST(Bvh, TheUnitIsToldByTheStature) {
     text = Replaced(text, "OFFSET 10 0 0", fmt::format("OFFSET {:.9f} 0 0", 10 * c.scale));
     text = Replaced(text, "0 0 0 10 0 0", fmt::format("0 0 0 {:.9f} 0 0", 10 * c.scale));
     text = Replaced(text, "10.00001 0 0", fmt::format("{:.9f} 0 0", 10 * c.scale));
-    EXPECT_NEAR(At(Read(text, 0.0), 0, "Spine").z() - At(Read(text, 0.0), 0, "Hips").z(), 500.0, 1e-3) << c.unit_mm;
+    const std::map<std::string, Vector3d> at = PositionsByName(Read(text, 0.0), 0);
+    EXPECT_NEAR(at.at("Spine").z() - at.at("Hips").z(), 500.0, 1e-3) << c.unit_mm;
   }
   const TemporaryFolder folder;
   WriteText(folder / "clip.bvh", Replaced(Tiny(), "OFFSET 0 50 0", "OFFSET 0 300 0"));
@@ -150,8 +144,9 @@ TEST(Bvh, ChannelsMayBeFewAndEndSitesEmpty) {
       "MOTION\nFrames: 1\nFrame Time: 0.04\n100 90 5\n");
   ASSERT_EQ(motion.joint_count(), 3);
   EXPECT_EQ(motion.fps, 25.0);
-  EXPECT_LT((At(motion, 0, "a") - Vector3d(10, -30, 1000)).norm(), 1e-9);
-  EXPECT_LT((At(motion, 0, "c") - Vector3d(-1690, -30, 1000)).norm(), 1e-9);
+  const std::map<std::string, Vector3d> at = PositionsByName(motion, 0);
+  EXPECT_LT((at.at("a") - Vector3d(10, -30, 1000)).norm(), 1e-9);
+  EXPECT_LT((at.at("c") - Vector3d(-1690, -30, 1000)).norm(), 1e-9);
 }
 
 TEST(Bvh, DamagedMotionsSayWhereAndWhat) {

@@ -8,8 +8,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "canonpose/simulate/motion.h"
-#include "canonpose/simulate/readers/channels.h"
+#include "canonpose/motion/articulated_motion.h"
+#include "canonpose/motion/channels.h"
 
 namespace canonpose {
 

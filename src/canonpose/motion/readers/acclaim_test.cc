@@ -1,3 +1,5 @@
+#include "canonpose/motion/readers/acclaim.h"
+
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -10,7 +12,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/testing.h"
-#include "canonpose/simulate/mocap.h"
+#include "canonpose/motion/motion_testing.h"
 
 namespace canonpose {
 namespace {
@@ -19,17 +21,9 @@ using Eigen::Vector3d;
 using ::testing::AllOf;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
+using testing::PositionsByName;
 using testing::TemporaryFolder;
 using testing::TestData;
-
-std::map<std::string, Vector3d> PositionsOf(const ArticulatedMotion& motion, int frame) {
-  std::vector<Vector3d> positions;
-  std::vector<Eigen::Quaterniond> rotations;
-  ForwardKinematics(motion, frame, positions, rotations);
-  std::map<std::string, Vector3d> by_name;
-  for (std::size_t j = 0; j < positions.size(); ++j) by_name[motion.joints[j].name] = positions[j];
-  return by_name;
-}
 
 void ExpectAt(const std::map<std::string, Vector3d>& positions, const std::string& joint, const Vector3d& expected) {
   ASSERT_EQ(positions.count(joint), 1U) << joint;
@@ -71,7 +65,7 @@ TEST(Acclaim, PositionsAreThoseComputedByHand) {
   EXPECT_EQ(motion.subject, "tiny");
   EXPECT_EQ(motion.fps, 120.0);
   ASSERT_EQ(motion.frame_count(), 3);
-  std::map<std::string, Vector3d> at = PositionsOf(motion, 0);
+  std::map<std::string, Vector3d> at = PositionsByName(motion, 0);
   ASSERT_EQ(at.size(), 6U);
   ExpectAt(at, "root", {100, -200, 1000});
   ExpectAt(at, "thigh", {100, -200, 1000});
@@ -81,11 +75,11 @@ TEST(Acclaim, PositionsAreThoseComputedByHand) {
   ExpectAt(at, "trunk_end", {100, -200, 1500});
   // The thigh's x is turned to y (up) by its axis, so that it spins about itself and takes the shank, bent to its side
   // by rz, to the back.
-  at = PositionsOf(motion, 1);
+  at = PositionsByName(motion, 1);
   ExpectAt(at, "shank", {100, -200, 600});
   ExpectAt(at, "shank_end", {100, 200, 600});
   // The body is turned about x first, about y then; so is the shank, about x first and z then.
-  at = PositionsOf(motion, 2);
+  at = PositionsByName(motion, 2);
   ExpectAt(at, "trunk_end", {500, 0, 1000});
   ExpectAt(at, "shank", {-400, 0, 1000});
   ExpectAt(at, "shank_end", {-400, 0, 1400});
@@ -101,14 +95,14 @@ TEST(Acclaim, RestPoseIsTheSkeletonTurnedToZUp) {
 }
 
 TEST(Acclaim, OrdersUnitsAndLineEndingsMayDiffer) {
-  const std::map<std::string, Vector3d> expected = PositionsOf(ReadAcclaim(TestData("mocap/tiny.amc")), 2);
+  const std::map<std::string, Vector3d> expected = PositionsByName(ReadAcclaim(TestData("mocap/tiny.amc")), 2);
   // Radians in both files.
   std::string asf =
       Replaced(Replaced(TinyAsf(), "angle deg", "angle rad"), "axis 0 0 90", "axis 0 0 1.5707963267948966");
   std::string amc = Replaced(Replaced(TinyAmc(), ":DEGREES\n", ""), "0 10 0 90 90 0",
                              "0 10 0 1.5707963267948966 1.5707963267948966 0");
   amc = Replaced(amc, "shank 90 90", "shank 1.5707963267948966 1.5707963267948966");
-  for (const auto& [joint, position] : PositionsOf(Read(asf, amc), 2)) ExpectAt(expected, joint, position);
+  for (const auto& [joint, position] : PositionsByName(Read(asf, amc), 2)) ExpectAt(expected, joint, position);
   // The root's values in another order; other line endings, tabs and blanks.
   asf = Replaced(TinyAsf(), "order TX TY TZ RX RY RZ", "order RX RY RZ TZ TY TX");
   amc = Replaced(TinyAmc(), "root 0 10 0 90 90 0", "root\t90  90 0 0 10 +0.0e-015 \t# comment");
@@ -117,9 +111,10 @@ TEST(Acclaim, OrdersUnitsAndLineEndingsMayDiffer) {
     for (const char c : *text) windows += c == '\n' ? std::string(" \r\n") : std::string(1, c);
     *text = windows;
   }
-  for (const auto& [joint, position] : PositionsOf(Read(asf, amc), 2)) ExpectAt(expected, joint, position);
+  for (const auto& [joint, position] : PositionsByName(Read(asf, amc), 2)) ExpectAt(expected, joint, position);
   // About y first and x then: another pose, (0, 1, 0) to (0, 0, 1) in the file's axes.
-  ExpectAt(PositionsOf(Read(Replaced(TinyAsf(), "axis XYZ", "axis YXZ"), TinyAmc()), 2), "trunk_end", {0, -500, 1000});
+  ExpectAt(PositionsByName(Read(Replaced(TinyAsf(), "axis XYZ", "axis YXZ"), TinyAmc()), 2), "trunk_end",
+           {0, -500, 1000});
 }
 
 TEST(Acclaim, DamagedSkeletonsSayWhereAndWhat) {
@@ -200,25 +195,6 @@ TEST(Acclaim, FindsTheSkeletonOfAClip) {
   WriteText(folder / "7.ASF", TinyAsf());
   EXPECT_EQ(ReadAcclaim(folder / "7_1.amc").subject, "7");
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAcclaim(folder / "8_1.amc"); }), HasSubstr("check the path"));
-}
-
-TEST(MotionFiles, AreFoundInFoldersAndByThemselves) {
-  const TemporaryFolder folder;
-  const auto found = [&](const std::vector<std::string>& names) {
-    std::vector<std::filesystem::path> paths;
-    for (const std::string& name : names) paths.push_back(folder / name);
-    std::vector<std::string> clips;
-    for (const auto& path : FindMotionFiles(paths)) clips.push_back(path.lexically_relative(folder.path()).string());
-    return clips;
-  };
-  for (const char* name : {"a", "a/b", "empty"}) MakeDirectory(folder / name);
-  for (const char* name : {"a/2.amc", "a/b/1.BVH", "a/2.asf", "3.bvh", "a/notes.txt"}) WriteText(folder / name, "");
-  EXPECT_EQ(found({"a", "3.bvh"}), (std::vector<std::string>{"3.bvh", "a/2.amc", "a/b/1.BVH"}));
-  EXPECT_EQ(found({"a/2.amc", "a"}), (std::vector<std::string>{"a/2.amc", "a/b/1.BVH"}));
-  for (const char* name : {"empty", "nowhere", "a/notes.txt"}) {
-    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { found({"a", name}); }), HasSubstr(name));
-  }
-  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadMotion(folder / "a/notes.txt"); }), HasSubstr("found .txt"));
 }
 
 }  // namespace

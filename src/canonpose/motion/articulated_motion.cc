@@ -1,4 +1,4 @@
-#include "canonpose/simulate/motion.h"
+#include "canonpose/motion/articulated_motion.h"
 
 namespace canonpose {
 

@@ -1,4 +1,4 @@
-#include "canonpose/simulate/landmarks.h"
+#include "canonpose/motion/landmarks.h"
 
 #include <gtest/gtest.h>
 

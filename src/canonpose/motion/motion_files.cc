@@ -1,11 +1,13 @@
-#include "canonpose/simulate/mocap.h"
+#include "canonpose/motion/motion_files.h"
 
 #include <algorithm>
 #include <set>
 #include <system_error>
 
 #include "canonpose/base/error.h"
-#include "canonpose/simulate/readers/text_lines.h"
+#include "canonpose/motion/readers/acclaim.h"
+#include "canonpose/motion/readers/bvh.h"
+#include "canonpose/motion/readers/text_lines.h"
 
 namespace canonpose {
 namespace {
@@ -22,7 +24,7 @@ bool IsMotionFile(const fs::path& path) {
 ArticulatedMotion ReadMotion(const fs::path& path) {
   if (!IsMotionFile(path)) {
     ThrowBadInput({path.string(), "", "a motion file, .amc or .bvh",
-                   path.has_extension() ? path.extension().string() : "a name without an ending", ""});
+                   path.has_extension() ? path.extension().string() : "a name without an extension", ""});
   }
   return LowerCase(path.extension().string()) == ".amc" ? ReadAcclaim(path) : ReadBvh(path);
 }

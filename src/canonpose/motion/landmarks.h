@@ -1,4 +1,4 @@
-// The points of the body that detectors and skeletons name, and the body's flesh around them.
+// The points of the body that detectors and skeletons name.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "canonpose/simulate/motion.h"
+#include "canonpose/motion/articulated_motion.h"
 #include "canonpose/skeleton/skeleton.h"
 
 namespace canonpose {
@@ -61,16 +61,6 @@ struct LandmarkTrack {
     return positions_mm[static_cast<std::size_t>(frame) * kLandmarkCount + static_cast<std::size_t>(landmark)];
   }
 };
-
-/// A limb as a capsule between two landmarks.
-struct Capsule {
-  Landmark from;
-  Landmark to;
-  double radius;  ///< as a share of the stature
-};
-
-/// The body's shape for occlusion and collision: limbs, trunk (side by side capsules from hips to shoulders) and head.
-const std::vector<Capsule>& BodyCapsules();
 
 /// Length of the body from heel to crown along its bones, mm, of one pose (kLandmarkCount); a pose that crouches is as
 /// tall as one that stands.

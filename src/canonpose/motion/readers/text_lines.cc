@@ -1,4 +1,4 @@
-#include "canonpose/simulate/readers/text_lines.h"
+#include "canonpose/motion/readers/text_lines.h"
 
 #include <algorithm>
 #include <cctype>

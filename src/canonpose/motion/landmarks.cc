@@ -1,4 +1,4 @@
-#include "canonpose/simulate/landmarks.h"
+#include "canonpose/motion/landmarks.h"
 
 #include <array>
 
@@ -40,18 +40,6 @@ Skeleton MakeLandmarkSkeleton() {
 const Skeleton& LandmarkSkeleton() {
   static const Skeleton skeleton = MakeLandmarkSkeleton();
   return skeleton;
-}
-
-// Radii from circumferences of the limbs of an average adult (thigh 56 cm, calf 37 cm, upper arm 30 cm, head 57 cm,
-// chest 98 cm as two capsules side by side) over a stature of 1.73 m, a little thinner at the ends of the limbs.
-const std::vector<Capsule>& BodyCapsules() {
-  static const std::vector<Capsule> capsules = {
-      {kRHip, kRKnee, 0.042},    {kRKnee, kRFoot, 0.028},      {kRHeel, kRBigToe, 0.020},  {kLHip, kLKnee, 0.042},
-      {kLKnee, kLFoot, 0.028},   {kLHeel, kLBigToe, 0.020},    {kRHip, kRShoulder, 0.050}, {kLHip, kLShoulder, 0.050},
-      {kHip, kThorax, 0.055},    {kLShoulder, kLElbow, 0.025}, {kLElbow, kLWrist, 0.019},  {kRShoulder, kRElbow, 0.025},
-      {kRElbow, kRWrist, 0.019}, {kThorax, kUpperNeck, 0.032}, {kUpperNeck, kHead, 0.045},
-  };
-  return capsules;
 }
 
 double StatureMm(const Eigen::Vector3d* p) {

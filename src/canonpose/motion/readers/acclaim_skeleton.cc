@@ -1,4 +1,4 @@
-#include "canonpose/simulate/readers/acclaim_skeleton.h"
+#include "canonpose/motion/readers/acclaim_skeleton.h"
 
 #include <algorithm>
 #include <map>
@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/simulate/readers/text_lines.h"
+#include "canonpose/motion/readers/text_lines.h"
 
 namespace canonpose {
 namespace {

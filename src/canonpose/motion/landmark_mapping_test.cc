@@ -1,3 +1,5 @@
+#include "canonpose/motion/landmark_mapping.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -10,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "canonpose/base/testing.h"
-#include "canonpose/simulate/mocap.h"
+#include "canonpose/motion/motion_files.h"
 
 namespace canonpose {
 namespace {

@@ -1,4 +1,4 @@
-#include "canonpose/simulate/landmark_mapping.h"
+#include "canonpose/motion/landmark_mapping.h"
 
 #include <algorithm>
 #include <array>
@@ -15,8 +15,7 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/simulate/mocap.h"
-#include "canonpose/simulate/readers/text_lines.h"
+#include "canonpose/motion/readers/text_lines.h"
 
 namespace canonpose {
 namespace {

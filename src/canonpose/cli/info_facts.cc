@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/data/codecs/npz.h"
 #include "canonpose/data/dataset.h"
-#include "canonpose/data/npz.h"
 #include "canonpose/model/model_file.h"
 #include "canonpose/train/checkpoint.h"
 

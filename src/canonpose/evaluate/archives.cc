@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/npz.h"
 #include "canonpose/evaluate/evaluation.h"
 #include "canonpose/skeleton/skeleton.h"
 

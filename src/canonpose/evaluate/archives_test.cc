@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "canonpose/base/testing.h"
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/npz.h"
 #include "canonpose/skeleton/skeleton.h"
 
 namespace canonpose {

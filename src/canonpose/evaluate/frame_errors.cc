@@ -6,7 +6,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/npz.h"
 
 namespace canonpose {
 namespace {

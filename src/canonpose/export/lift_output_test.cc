@@ -8,7 +8,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/testing.h"
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/npz.h"
 
 namespace canonpose {
 namespace {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/data/readers/json.h"
+#include "canonpose/data/codecs/json.h"
 #include "canonpose/simulate/rig_parts.h"
 
 namespace canonpose {

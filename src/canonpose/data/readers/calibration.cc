@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/data/readers/json.h"
+#include "canonpose/data/codecs/json.h"
 
 namespace canonpose {
 namespace {

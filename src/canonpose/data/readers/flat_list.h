@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "canonpose/data/codecs/json.h"
 #include "canonpose/data/readers/detections.h"
-#include "canonpose/data/readers/json.h"
 
 namespace canonpose {
 

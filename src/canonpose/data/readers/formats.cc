@@ -5,10 +5,10 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/names.h"
+#include "canonpose/data/codecs/json.h"
 #include "canonpose/data/readers/alphapose.h"
 #include "canonpose/data/readers/benchmarks/benchmark.h"
 #include "canonpose/data/readers/coco.h"
-#include "canonpose/data/readers/json.h"
 #include "canonpose/data/readers/mmpose.h"
 #include "canonpose/data/readers/openpose.h"
 

@@ -9,10 +9,10 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
+#include "canonpose/data/codecs/pickle.h"
 #include "canonpose/data/layout_check.h"
 #include "canonpose/data/person_tracking.h"
 #include "canonpose/data/readers/benchmarks/builder.h"
-#include "canonpose/data/readers/benchmarks/pickle.h"
 
 namespace canonpose {
 namespace {

@@ -14,11 +14,11 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/median.h"
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/json.h"
+#include "canonpose/data/codecs/npz.h"
+#include "canonpose/data/codecs/pickle.h"
 #include "canonpose/data/readers/benchmarks/anatomy.h"
 #include "canonpose/data/readers/benchmarks/builder.h"
-#include "canonpose/data/readers/benchmarks/pickle.h"
-#include "canonpose/data/readers/json.h"
 
 namespace canonpose {
 namespace {

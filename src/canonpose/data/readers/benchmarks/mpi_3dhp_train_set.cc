@@ -13,11 +13,12 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/hdf5.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/median.h"
+#include "canonpose/data/codecs/mat_file.h"
 #include "canonpose/data/readers/benchmarks/anatomy.h"
 #include "canonpose/data/readers/benchmarks/builder.h"
-#include "canonpose/data/readers/benchmarks/mat_file.h"
 
 namespace canonpose {
 namespace {
@@ -27,6 +28,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kTrainCameras = 14;
 constexpr std::size_t kTrainJoints = 28;
 constexpr std::array<int, 2> kTrainImageSize{2048, 2048};
+constexpr const char* kTrainSetAdvice = "give annot.mat of the training set as published";
 /// annot3 meets annot2 within rounding where the calibration is the sequence's.
 constexpr double kFarFromAnnot2Px = 5.0;
 
@@ -148,7 +150,7 @@ std::vector<Matrix> ReadAnnotation(const MatFile& file, const std::string& name,
                             i == 0 ? fmt::format("(N, {})", axes * kTrainJoints)
                                    : fmt::format("({}, {})", cells.front().rows, axes * kTrainJoints),
                             axes),
-                fmt::format("({}, {})", cell.rows, cell.columns), "give annot.mat of the training set as published");
+                fmt::format("({}, {})", cell.rows, cell.columns), kTrainSetAdvice);
     }
     RequireFinite(cell.values, kTrainJoints, axes, path.string(), place);
   }
@@ -186,7 +188,11 @@ class TrainSetImporter {
 
  private:
   Sequence ReadSequence(const fs::path& path) {
-    const MatFile file(path);
+    if (h5::File::IsHdf5(path)) {
+      ThrowBadInput({path.string(), "", "a MATLAB file of version 5", "one of version 7.3, which is HDF5",
+                     "annot_data.mat of the test set is read by import 3dhp-test"});
+    }
+    const MatFile file(path, kTrainSetAdvice);
     const std::vector<Matrix> keypoints = ReadAnnotation(file, "annot2", 2, path);
     std::vector<Matrix> poses = ReadAnnotation(file, truth_, 3, path);
     const std::size_t frames = keypoints.front().rows;

@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/data/readers/benchmarks/pickle_node.h"
+#include "canonpose/data/codecs/pickle_node.h"
 
 namespace canonpose::pickle {
 namespace {

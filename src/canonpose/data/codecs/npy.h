@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/npz.h"
 
 namespace canonpose::npy {
 

@@ -1,4 +1,4 @@
-#include "canonpose/data/readers/benchmarks/pickle.h"
+#include "canonpose/data/codecs/pickle.h"
 
 #include <string>
 

@@ -1,4 +1,4 @@
-#include "canonpose/data/readers/json.h"
+#include "canonpose/data/codecs/json.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

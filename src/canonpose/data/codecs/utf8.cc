@@ -1,4 +1,4 @@
-#include "canonpose/data/utf8.h"
+#include "canonpose/data/codecs/utf8.h"
 
 #include <cstddef>
 

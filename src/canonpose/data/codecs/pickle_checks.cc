@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/data/readers/benchmarks/pickle_node.h"
+#include "canonpose/data/codecs/pickle_node.h"
 
 namespace canonpose::pickle {
 namespace {

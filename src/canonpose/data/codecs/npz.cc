@@ -1,4 +1,4 @@
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/npz.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -11,7 +11,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
-#include "canonpose/data/npy.h"
+#include "canonpose/data/codecs/npy.h"
 
 namespace canonpose {
 namespace {

@@ -1,4 +1,4 @@
-#include "canonpose/data/npy.h"
+#include "canonpose/data/codecs/npy.h"
 
 #include <bit>
 #include <charconv>
@@ -11,7 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/data/utf8.h"
+#include "canonpose/data/codecs/utf8.h"
 
 namespace canonpose::npy {
 namespace {

@@ -1,4 +1,4 @@
-#include "canonpose/data/readers/benchmarks/mat_file.h"
+#include "canonpose/data/codecs/mat_file.h"
 
 #include <array>
 #include <cstdint>
@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -134,26 +135,26 @@ using Variable = std::unique_ptr<matvar_t, VariableCloser>;
 
 struct MatFile::State {
   std::string path;
+  std::string advice;
   mat_t* file = nullptr;
   ~State() {
     if (file != nullptr) Mat_Close(file);
   }
 };
 
-MatFile::MatFile(const fs::path& path) : state_(std::make_unique<State>()) {
+MatFile::MatFile(const fs::path& path, std::string advice) : state_(std::make_unique<State>()) {
   state_->path = path.string();
+  state_->advice = std::move(advice);
   std::error_code error;
   if (!fs::exists(path, error))
     ThrowBadInput({path.string(), "", "a file", error ? error.message() : "nothing", "check the path"});
   const std::string expected = "a MATLAB file of version 5";
   if (h5::File::IsHdf5(path)) {
-    ThrowBadInput({path.string(), "", expected, "one of version 7.3, which is HDF5",
-                   "annot_data.mat of the test set is read by import 3dhp-test"});
+    ThrowBadInput({path.string(), "", expected, "one of version 7.3, which is HDF5", state_->advice});
   }
   const std::string header = ReadHeader(path);
   if (header.size() < kHeaderBytes || !header.starts_with("MATLAB 5.0") || header.substr(126) != "IM") {
-    ThrowBadInput({path.string(), "", expected, "another format, or one that is cut short",
-                   "give annot.mat as it was published"});
+    ThrowBadInput({path.string(), "", expected, "another format, or one that is cut short", state_->advice});
   }
   if (!IsSound(path)) {
     ThrowBadInput({path.string(), "", expected, "one that is cut short or damaged", "copy the file again"});
@@ -175,14 +176,12 @@ std::vector<Matrix> MatFile::ReadCells(const std::string& name, std::size_t coun
   Mat_Rewind(state_->file);
   // First what the variable claims to be: reading takes all the memory that a damaged size asks for.
   const Variable variable(Mat_VarReadInfo(state_->file, name.c_str()));
-  if (variable == nullptr)
-    Fail(name, "a variable of that name", "none that can be read", "give annot.mat as published");
+  if (variable == nullptr) Fail(name, "a variable of that name", "none that can be read", state_->advice);
   std::size_t cells = variable->class_type == MAT_C_CELL && variable->data != nullptr ? 1 : 0;
   for (int d = 0; d < variable->rank && cells > 0; ++d) cells *= variable->dims[d];
   if (cells != count || variable->nbytes < count * sizeof(matvar_t*)) {
     Fail(name, fmt::format("a cell array of {} matrices", count),
-         variable->class_type == MAT_C_CELL ? fmt::format("{} cells", cells) : "no cell array",
-         "give annot.mat of the training set as published");
+         variable->class_type == MAT_C_CELL ? fmt::format("{} cells", cells) : "no cell array", state_->advice);
   }
   const auto* const parts = static_cast<matvar_t* const*>(variable->data);
   constexpr std::uint64_t kBestCompression = 1100;  // deflate reaches 1032

@@ -5,9 +5,11 @@
 
 namespace canonpose {
 
+/// Appends one character.
 void AppendUtf8(char32_t character, std::string& text);
 
-/// Bytes that are no UTF-8 become U+FFFD.
+/// The characters of a text. A byte that cannot start a character, or whose character is cut off by the end of the
+/// text, becomes U+FFFD. Continuation bytes are not checked.
 std::u32string FromUtf8(const std::string& text);
 
 }  // namespace canonpose

@@ -1,4 +1,4 @@
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/npz.h"
 
 #include <cmath>
 
@@ -7,7 +7,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/testing.h"
-#include "canonpose/data/npy.h"
+#include "canonpose/data/codecs/npy.h"
 
 namespace canonpose {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "canonpose/data/readers/benchmarks/pickle.h"
+#include "canonpose/data/codecs/pickle.h"
 
 namespace canonpose::pickle {
 

@@ -1,5 +1,5 @@
 // The stack machine: every instruction of protocols 0 to 5, those that only make values.
-#include "canonpose/data/readers/benchmarks/pickle.h"
+#include "canonpose/data/codecs/pickle.h"
 
 #include <algorithm>
 #include <charconv>
@@ -12,8 +12,8 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
-#include "canonpose/data/readers/benchmarks/pickle_node.h"
-#include "canonpose/data/utf8.h"
+#include "canonpose/data/codecs/pickle_node.h"
+#include "canonpose/data/codecs/utf8.h"
 
 namespace canonpose::pickle {
 namespace {

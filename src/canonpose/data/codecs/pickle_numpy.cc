@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "canonpose/data/readers/benchmarks/pickle_node.h"
-#include "canonpose/data/utf8.h"
+#include "canonpose/data/codecs/pickle_node.h"
+#include "canonpose/data/codecs/utf8.h"
 
 namespace canonpose::pickle {
 namespace {

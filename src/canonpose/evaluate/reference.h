@@ -5,23 +5,10 @@
 #include <vector>
 
 #include "canonpose/data/dataset.h"
+#include "canonpose/data/sequence_triangulation.h"
 #include "canonpose/evaluate/report.h"
 
 namespace canonpose {
-
-/// Of one sequence: for each of its cameras the poses (T, J, 3) in mm in that camera's frame, NaN where unknown; empty
-/// for a camera that nothing is known of.
-struct SequenceReference {
-  std::vector<std::vector<float>> poses_in_camera;
-};
-
-/// Triangulates every joint of every frame from all calibrated cameras of a sequence, weighted by confidence and the
-/// distortion undone. For each camera (T, J, 3) mm in that camera's frame, NaN where unknown: where fewer than two
-/// cameras see the joint, its rays are nearly parallel, or it would lie behind a camera that sees it; empty for cameras
-/// without calibration. `reprojection_errors_px`, where given, gets the error of every triangulated joint in every view
-/// that sees it, after what it holds.
-SequenceReference TriangulateSequence(const Sequence& sequence, int joint_count,
-                                      std::vector<double>* reprojection_errors_px = nullptr);
 
 class ReferencePoses {
  public:
@@ -30,14 +17,14 @@ class ReferencePoses {
   ReferencePoses(const Dataset& dataset, const std::string& file);
 
   /// In the order of the dataset's sequences.
-  [[nodiscard]] const std::vector<SequenceReference>& sequences() const { return sequences_; }
+  [[nodiscard]] const std::vector<SequencePoses>& sequences() const { return sequences_; }
   [[nodiscard]] bool triangulated() const { return triangulated_; }
   /// Of every triangulated joint in every view that sees it.
   [[nodiscard]] const std::vector<double>& reprojection_errors_px() const { return reprojection_errors_px_; }
 
  private:
   bool triangulated_ = false;
-  std::vector<SequenceReference> sequences_;
+  std::vector<SequencePoses> sequences_;
   std::vector<double> reprojection_errors_px_;
 };
 

@@ -249,46 +249,16 @@ RigEstimate InitialiseMoving(const CaptureObservations& capture, std::span<const
   return estimate;
 }
 
-Triangulation TriangulateJoint(const CaptureObservations& capture, int frame, int joint, const AdjustmentScales& scales,
-                               const RigEstimate& estimate, int left_out_view) {
-  constexpr int kRounds = 5;
-  constexpr double kWideLossScale = 3.0;
-  struct Ray {
-    Eigen::Matrix3d rotation;
-    Eigen::Vector3d translation;
-    Eigen::Vector2d direction;  ///< (x, y) / z
-    double scatter;
-    double weight = 1.0;
-  };
-  std::vector<Ray> rays;
+RobustPoint TriangulateJoint(const CaptureObservations& capture, int frame, int joint, const AdjustmentScales& scales,
+                             const RigEstimate& estimate, int left_out_view) {
+  std::vector<PointRay> rays;
   for (int v = 0; v < capture.view_count(); ++v) {
     const CameraEstimate& camera = estimate.CameraAt(frame, v);
     if (v == left_out_view || !camera.valid || !capture.Sees(frame, v, joint)) continue;
     rays.push_back({camera.Rotation(), estimate.Translation(frame, v), capture.At(frame, v, joint) / camera.Focal(),
                     scales.observation.Scatter(joint, capture.confidence[capture.Index(frame, v, joint)])});
   }
-  Triangulation result;
-  for (int round = 0; rays.size() >= 2 && round < kRounds; ++round) {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (const Ray& ray : rays) {
-      for (int axis = 0; axis < 2; ++axis) {
-        const Eigen::Vector3d row = (ray.rotation.row(axis) - ray.direction[axis] * ray.rotation.row(2)).transpose();
-        const double weight = ray.weight / (ray.scatter * ray.scatter);
-        normal += weight * row * row.transpose();
-        right += weight * row * (ray.direction[axis] * ray.translation.z() - ray.translation[axis]);
-      }
-    }
-    result.point = normal.ldlt().solve(right);
-    result.information = normal;
-    for (Ray& ray : rays) {
-      const Eigen::Vector3d p = ray.rotation * result.point + ray.translation;
-      // At the joint's depth, in body units; the rows above are of that size.
-      const double error = (p.head<2>() - ray.direction * p.z()).norm() / ray.scatter;
-      ray.weight = 1.0 / (1.0 + std::pow(error / kWideLossScale, 2));
-    }
-  }
-  return result;
+  return TriangulateRobustly(rays);
 }
 
 void TriangulateFrame(const CaptureObservations& capture, int frame, const AdjustmentScales& scales, bool mirrored,

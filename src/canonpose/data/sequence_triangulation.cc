@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "canonpose/geometry/angles.h"
 #include "canonpose/geometry/triangulation.h"
 
 namespace canonpose {
@@ -10,7 +11,7 @@ namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 // Rays that meet at 2 degrees magnify an error across them 30 times along them, which is useless as a reference.
-constexpr double kMinRayAngleRad = 2.0 * 3.14159265358979 / 180.0;
+constexpr double kMinRayAngleRad = RadFromDeg(2.0);
 
 PointObservation Observe(const CameraView& view, int frame, std::size_t joint_in_sequence) {
   PointObservation observation;

@@ -5,6 +5,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "canonpose/geometry/angles.h"
+
 namespace canonpose {
 namespace {
 
@@ -44,7 +46,7 @@ TEST(CameraComparisonTest, OnlyRelativeRotationsCount) {
   dataset.sequences[0].cameras[0].solved_calibration = {CameraOf(1100.0, 0.0)};
   CameraComparison off;
   off.Add(dataset);
-  EXPECT_NEAR(off.Medians()->relative_rotation_deg, 0.1 * 180.0 / M_PI, 1e-6);
+  EXPECT_NEAR(off.Medians()->relative_rotation_deg, DegFromRad(0.1), 1e-6);
   EXPECT_NEAR(off.Medians()->focal_percent, 10.0, 1e-9);
 }
 
@@ -61,7 +63,7 @@ TEST(CameraComparisonTest, ALensBesideTheMiddleIsATurnedCamera) {
   }
   CameraComparison comparison;
   comparison.Add(dataset);
-  EXPECT_NEAR(comparison.Medians()->relative_rotation_deg, 0.02 * 180.0 / M_PI, 1e-6);
+  EXPECT_NEAR(comparison.Medians()->relative_rotation_deg, DegFromRad(0.02), 1e-6);
   EXPECT_NEAR(comparison.Medians()->centred_rotation_deg, 0.0, 1e-6);
 }
 

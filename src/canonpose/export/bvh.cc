@@ -12,12 +12,14 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
+#include "canonpose/geometry/angles.h"
 #include "canonpose/motion/channels.h"
 
 namespace canonpose {
 namespace {
 
 constexpr double kCmPerMm = 0.1;
+constexpr double kDegPerRad = DegFromRad(1.0);
 
 /// Angles of R = Rz(angles[0]) * Rx(angles[1]) * Ry(angles[2]), rad.
 using Angles = std::array<double, 3>;
@@ -143,7 +145,7 @@ class BvhWriter {
     for (std::size_t i = 0; i < order_.size(); ++i) {
       const Eigen::Quaterniond& rotation = motion_.parent_from_joint[frame * motion_.joints.size() + order_[i]];
       angles[i] = AnglesOf(YUpFromZUp(rotation.normalized()).toRotationMatrix(), angles[i]);
-      for (const double angle : angles[i]) fmt::format_to(out, " {:.6f}", angle * (180.0 / std::numbers::pi));
+      for (const double angle : angles[i]) fmt::format_to(out, " {:.6f}", angle * kDegPerRad);
     }
     text_ += '\n';
   }

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+
+#include "canonpose/geometry/angles.h"
 
 namespace canonpose {
 
@@ -23,7 +24,8 @@ inline Eigen::Vector3d YUpFromZUp(const Eigen::Vector3d& v) { return {v.x(), v.z
 inline Eigen::Quaterniond ZUpFromYUp(const Eigen::Quaterniond& q) { return {q.w(), q.x(), -q.z(), q.y()}; }
 inline Eigen::Quaterniond YUpFromZUp(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.z(), -q.y()}; }
 
-inline double RadFromDeg(double degrees) { return degrees * (std::numbers::pi / 180.0); }
+/// A factor, since files have millions of angles.
+inline constexpr double kRadPerDeg = RadFromDeg(1.0);
 
 inline Eigen::Quaterniond RotationAbout(int axis, double angle_rad) {
   Eigen::Quaterniond rotation(std::cos(angle_rad / 2.0), 0.0, 0.0, 0.0);

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "canonpose/geometry/angles.h"
 #include "canonpose/motion/landmarks.h"
 
 namespace canonpose::testing {
@@ -41,7 +42,7 @@ inline std::array<Eigen::Vector3d, kLandmarkCount> StandingFigure() {
 /// `degrees` of swing forward about a joint's left-right axis.
 inline void Swing(std::array<Eigen::Vector3d, kLandmarkCount>& p, Landmark about, std::initializer_list<Landmark> parts,
                   double degrees) {
-  const Eigen::AngleAxisd turn(-degrees * std::numbers::pi / 180.0, Eigen::Vector3d::UnitY());
+  const Eigen::AngleAxisd turn(RadFromDeg(-degrees), Eigen::Vector3d::UnitY());
   for (const Landmark part : parts) p[part] = p[about] + turn * (p[part] - p[about]);
 }
 

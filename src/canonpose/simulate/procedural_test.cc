@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "canonpose/base/testing.h"
+#include "canonpose/geometry/angles.h"
 #include "canonpose/simulate/people/body.h"
 #include "canonpose/simulate/people/stage.h"
 
@@ -14,8 +15,6 @@ namespace canonpose {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kDegrees = 180.0 / kPi;
 
 // A clip and where its joints are.
 struct Played {
@@ -31,7 +30,7 @@ struct Played {
   [[nodiscard]] double Bend(int frame, int above, int joint, int below) const {
     const Vector3d upper = (At(frame, joint) - At(frame, above)).normalized();
     const Vector3d lower = (At(frame, below) - At(frame, joint)).normalized();
-    return std::acos(std::clamp(upper.dot(lower), -1.0, 1.0)) * kDegrees;
+    return DegFromRad(std::acos(std::clamp(upper.dot(lower), -1.0, 1.0)));
   }
   [[nodiscard]] double Knee(int frame, int side) const {
     return Bend(frame, LegJoint(kBLHip, side), LegJoint(kBLKnee, side), LegJoint(kBLFoot, side));
@@ -119,15 +118,15 @@ TEST_P(EveryActivity, KeepsLengthsAndJointLimits) {
         const Eigen::Quaterniond elbow = local(ArmJoint(kBLElbow, side));
         ASSERT_LT(std::hypot(knee.x(), knee.z()), 1e-9);
         ASSERT_LT(std::hypot(elbow.x(), elbow.z()), 1e-9);
-        const double knee_flexion = 2 * std::atan2(knee.y(), knee.w()) * kDegrees;
-        const double elbow_flexion = -2 * std::atan2(elbow.y(), elbow.w()) * kDegrees;
+        const double knee_flexion = DegFromRad(2 * std::atan2(knee.y(), knee.w()));
+        const double elbow_flexion = DegFromRad(-2 * std::atan2(elbow.y(), elbow.w()));
         ASSERT_GE(knee_flexion, 0.0) << "frame " << f;
         ASSERT_LE(knee_flexion, 149.0) << "frame " << f;
         ASSERT_GE(elbow_flexion, 0.0) << "frame " << f;
         ASSERT_LE(elbow_flexion, 146.0) << "frame " << f;
       }
       for (const int joint : {kBNeck, kBUpperNeck, kBLumbar, kBSpine}) {
-        ASSERT_LT(local(joint).angularDistance(Eigen::Quaterniond::Identity()) * kDegrees, 62.0) << "frame " << f;
+        ASSERT_LT(DegFromRad(local(joint).angularDistance(Eigen::Quaterniond::Identity())), 62.0) << "frame " << f;
       }
     }
   }
@@ -311,7 +310,7 @@ TEST(Procedural, SittersBendTheirHips) {
     for (int f = 0; f < played.frames(); ++f) {
       const Vector3d trunk = played.At(f, kBThorax) - played.At(f, kBHip);
       const Vector3d thigh = played.At(f, kBLKnee) - played.At(f, kBLHip);
-      const double hip = 180.0 - std::acos(trunk.normalized().dot(thigh.normalized())) * kDegrees;
+      const double hip = 180.0 - DegFromRad(std::acos(trunk.normalized().dot(thigh.normalized())));
       seated += hip > 55.0 && played.At(f, kBHip).z() < 0.42 * MakeBody(seed).stature ? 1 : 0;
     }
     EXPECT_GT(seated, 100) << seed;
@@ -332,7 +331,7 @@ TEST(Procedural, ReachersReachAndBend) {
         lowest = std::min(lowest, height);
       }
       const Vector3d trunk = (played.At(f, kBThorax) - played.At(f, kBHip)).normalized();
-      deepest_bend = std::max(deepest_bend, std::acos(trunk.z()) * kDegrees);
+      deepest_bend = std::max(deepest_bend, DegFromRad(std::acos(trunk.z())));
     }
   }
   EXPECT_GT(highest, 1.08);
@@ -391,7 +390,7 @@ TEST(Procedural, SkiersLeanIntoTheirTurns) {
       const Vector3d legs = (played.At(f, kBHip) - feet).normalized();
       const Vector3d way = played.At(f + 10, kBLFoot) - played.At(f - 10, kBLFoot);
       const Vector3d to_left = Vector3d(-way.y(), way.x(), 0).normalized();
-      const double lean = std::asin(legs.dot(to_left)) * kDegrees;
+      const double lean = DegFromRad(std::asin(legs.dot(to_left)));
       left = std::max(left, lean);
       right = std::min(right, lean);
       const Vector3d before = played.At(f, kBLFoot) - played.At(f - 10, kBLFoot);

@@ -22,7 +22,7 @@ FilmingCamera MakeStatic(const std::string& name, const Eigen::Vector3d& positio
   Camera camera;
   lens.Apply(focal_px, camera);
   const Eigen::Vector3d target(80.0 * rng.Normal(), 80.0 * rng.Normal(), kAimHeightMm + 60.0 * rng.Normal());
-  Aim(position_mm, target, Radians(1.0) * rng.Normal(), camera);
+  Aim(position_mm, target, RadFromDeg(1.0) * rng.Normal(), camera);
   return {name, lens.image_size, {camera}};
 }
 

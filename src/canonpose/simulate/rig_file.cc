@@ -130,7 +130,7 @@ Camera ReadLookingAt(const JsonValue& value, std::array<int, 2> image_size) {
   Camera camera;
   camera.K << focal_px, 0.0, image_size[0] / 2.0, 0.0, focal_px, image_size[1] / 2.0, 0.0, 0.0, 1.0;
   const std::optional<JsonValue> roll = value.Find("roll_deg");
-  Aim(position, target, roll ? Radians(roll->Number()) : 0.0, camera);
+  Aim(position, target, roll ? RadFromDeg(roll->Number()) : 0.0, camera);
   return camera;
 }
 

@@ -127,7 +127,7 @@ std::vector<Camera> FilmOne(const PtzCamera& ptz, const LandmarkTrack& track, Rn
     const Eigen::Vector2d lag = seen.head<2>() * (focal_px / (seen.z() * height_px));
     const Eigen::Vector2d offset(Limited(lag.x() + kPtzAimError * error_x.Next(rng), kPtzMostOffset),
                                  Limited(lag.y() + kPtzAimError * error_y.Next(rng), kPtzMostOffset / 2.0));
-    AimBeside(position, pelvis, offset, focal_px, height_px, Radians(0.7) * roll.Next(rng), camera);
+    AimBeside(position, pelvis, offset, focal_px, height_px, RadFromDeg(0.7) * roll.Next(rng), camera);
   }
   return cameras;
 }
@@ -168,7 +168,8 @@ std::vector<Camera> FilmOne(const HandheldCamera& person, const LandmarkTrack& t
   for (int t = 0; t < track.frame_count(); ++t) {
     Camera& camera = cameras[static_cast<std::size_t>(t)];
     const double seconds = t / track.fps;
-    const double azimuth = person.azimuth_rad + person.orbit_rad_per_second * seconds + Radians(12.0) * orbit.Next(rng);
+    const double azimuth =
+        person.azimuth_rad + person.orbit_rad_per_second * seconds + RadFromDeg(12.0) * orbit.Next(rng);
     const double distance = person.distance_mm * (1.0 + Limited(0.1 * nearness.Next(rng), 0.25));
     // A walker's head bobs at two steps a second.
     const double bob_mm = 15.0 * std::sin(2.0 * std::numbers::pi * 1.9 * seconds + step_phase);
@@ -182,13 +183,13 @@ std::vector<Camera> FilmOne(const HandheldCamera& person, const LandmarkTrack& t
     const double height_px = person.lens.image_size[1];
     const double per_radian = person.focal_px / height_px;
     const Eigen::Vector2d offset(
-        Limited(per_radian * (Radians(1.5) * error_x.Next(rng) + Radians(0.2) * shake_x.Next(rng)), 0.12),
-        Limited(per_radian * (Radians(1.5) * error_y.Next(rng) + Radians(0.2) * shake_y.Next(rng)), 0.08));
+        Limited(per_radian * (RadFromDeg(1.5) * error_x.Next(rng) + RadFromDeg(0.2) * shake_x.Next(rng)), 0.12),
+        Limited(per_radian * (RadFromDeg(1.5) * error_y.Next(rng) + RadFromDeg(0.2) * shake_y.Next(rng)), 0.08));
     Eigen::Vector3d followed = turn.Next(Pelvis(track, t));
     const Eigen::Vector3d lag = followed - Pelvis(track, t);
     const double most_lag = 0.1 * height_px * distance_now / person.focal_px;
     if (lag.norm() > 0.0) followed = Pelvis(track, t) + lag * (Limited(lag.norm(), most_lag) / lag.norm());
-    AimBeside(position, followed, offset, person.focal_px, person.lens.image_size[1], Radians(1.5) * roll.Next(rng),
+    AimBeside(position, followed, offset, person.focal_px, person.lens.image_size[1], RadFromDeg(1.5) * roll.Next(rng),
               camera);
   }
   return cameras;
@@ -227,7 +228,7 @@ std::unique_ptr<Rig> MakePtzRig(const RigOptions& options, Rng& rng) {
     camera.azimuth_rad = azimuth;
     const double own_m = 10.0 * std::pow(6.0, rng.Uniform());
     camera.distance_mm = 1000.0 * (options.distance_m > 0.0 ? options.distance_m * rng.Uniform(0.7, 1.3) : own_m);
-    camera.elevation_rad = Radians(rng.Uniform(-6.0, 14.0));
+    camera.elevation_rad = RadFromDeg(rng.Uniform(-6.0, 14.0));
     camera.fill = rng.Uniform(0.2, 0.8);
     camera.lens = MakeLens({1920, 1080}, options.distortion, rng);
     cameras.push_back(camera);
@@ -245,7 +246,7 @@ std::unique_ptr<Rig> MakeHandheldRig(const RigOptions& options, Rng& rng) {
     camera.azimuth_rad = azimuth;
     camera.distance_mm = 1000.0 * kOwnDistanceM * enlarge * rng.Uniform(0.75, 1.25);
     camera.height_mm = 1000.0 * rng.Uniform(1.3, 1.65);
-    camera.orbit_rad_per_second = Radians(3.0) * rng.Normal();
+    camera.orbit_rad_per_second = RadFromDeg(3.0) * rng.Normal();
     // The main lens of a phone, 26 to 30 mm on the long side of 36 mm film.
     camera.focal_px = enlarge * 1920.0 * rng.Uniform(26.0, 30.0) / 36.0;
     const bool is_portrait = rng.Uniform() < 0.4;

@@ -26,8 +26,6 @@ double CornerTangent(std::array<int, 2> image_size, double focal_px) {
 
 }  // namespace
 
-double Radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
-
 void Lens::Apply(double focal_px, Camera& camera) const {
   camera.K << focal_px, 0.0, principal_point_px.x(),  //
       0.0, focal_px * pixel_aspect, principal_point_px.y(), 0.0, 0.0, 1.0;
@@ -76,14 +74,14 @@ std::vector<double> Azimuths(const std::string& spread, int count, Rng& rng) {
     constexpr double kMargin = 0.04;
     for (int i = 0; i < count; ++i) {
       const double share = kMargin + (1.0 - 2.0 * kMargin) * i / std::max(1, count - 1);
-      azimuths.push_back(first + Radians(arc_degrees) * (share + rng.Uniform(-kMargin, kMargin)));
+      azimuths.push_back(first + RadFromDeg(arc_degrees) * (share + rng.Uniform(-kMargin, kMargin)));
     }
   };
   if (spread == "even") {
     for (int i = 0; i < count; ++i) azimuths.push_back(first + step * (i + rng.Uniform(-0.12, 0.12)));
   } else if (spread == "opposite") {
     for (int i = 0; i < count; ++i) {
-      azimuths.push_back(first + (i % 2) * std::numbers::pi + Radians(rng.Uniform(-10.0, 10.0)));
+      azimuths.push_back(first + (i % 2) * std::numbers::pi + RadFromDeg(rng.Uniform(-10.0, 10.0)));
     }
   } else if (spread == "quarter") {
     within(90.0);

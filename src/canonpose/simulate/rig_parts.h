@@ -9,14 +9,13 @@
 #include <Eigen/Core>
 
 #include "canonpose/base/random.h"
+#include "canonpose/geometry/angles.h"
 #include "canonpose/simulate/rig.h"
 
 namespace canonpose {
 
 /// Height above ground of the middle of a standing person, what cameras are aimed at.
 inline constexpr double kAimHeightMm = 950.0;
-
-double Radians(double degrees);
 
 /// A lens and sensor apart from zoom: what stays of the intrinsics when the focal length changes.
 struct Lens {

@@ -1,11 +1,11 @@
 #include "canonpose/simulate/rig.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "canonpose/base/testing.h"
+#include "canonpose/geometry/angles.h"
 #include "canonpose/simulate/figure_testing.h"
 
 namespace canonpose {
@@ -24,7 +24,7 @@ Eigen::Vector3d Centre(const Camera& camera) {
 
 double AzimuthDegrees(const FilmingCamera& camera) {
   const Eigen::Vector3d centre = Centre(camera.cameras.front());
-  return std::atan2(centre.y(), centre.x()) * 180.0 / std::numbers::pi;
+  return DegFromRad(std::atan2(centre.y(), centre.x()));
 }
 
 double AngleBetween(double a, double b) { return std::abs(std::remainder(a - b, 360.0)); }

@@ -119,18 +119,18 @@ FilmingCamera FilmFromAnywhere(const LandmarkTrack& track, const std::string& na
   const double fill = rng.Uniform(0.25, 0.85);
   const double distance_mm = std::max(1600.0, StatureMm(&track.At(0, 0)) * focal_px / (fill * height));
   const double azimuth = rng.Uniform(0.0, 2.0 * M_PI);
-  const double azimuth_rate = Radians(6.0) * rng.Normal();
+  const double azimuth_rate = RadFromDeg(6.0) * rng.Normal();
   const bool is_level = rng.Uniform() < 0.4;
-  const double elevation = Radians(is_level ? 4.0 + 8.0 * rng.Normal() : rng.Uniform(-30.0, 65.0));
-  const double elevation_rate = Radians(1.5) * rng.Normal();
-  const double roll = Radians(rng.Uniform() < 0.9 ? 3.0 : 12.0) * rng.Normal();
+  const double elevation = RadFromDeg(is_level ? 4.0 + 8.0 * rng.Normal() : rng.Uniform(-30.0, 65.0));
+  const double elevation_rate = RadFromDeg(1.5) * rng.Normal();
+  const double roll = RadFromDeg(rng.Uniform() < 0.9 ? 3.0 : 12.0) * rng.Normal();
   const Eigen::Vector2d offset_px{width * rng.Uniform(-0.33, 0.33),
                                   0.45 * height * (1.0 - fill) * rng.Uniform(-1.0, 1.0)};
   FilmingCamera filming{name, lens.image_size, {}};
   for (int t = 0; t < track.frame_count(); ++t) {
     const double seconds = t / track.fps;
     const double a = azimuth + azimuth_rate * seconds;
-    const double e = std::clamp(elevation + elevation_rate * seconds, Radians(-60.0), Radians(80.0));
+    const double e = std::clamp(elevation + elevation_rate * seconds, RadFromDeg(-60.0), RadFromDeg(80.0));
     const Eigen::Vector3d& pelvis = track.At(t, kHip);
     const Eigen::Vector3d away(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
     const Eigen::Vector3d position = pelvis + distance_mm * away;

@@ -4,14 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include "canonpose/geometry/angles.h"
 #include "canonpose/simulate/people/body.h"
 #include "canonpose/simulate/people/stage.h"
 #include "canonpose/simulate/procedural.h"
 
 namespace canonpose {
 namespace {
-
-constexpr double kDegrees = 180.0 / kPi;
 
 /// Nothing is changed.
 WildOptions Tame() { return {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}; }
@@ -42,8 +41,8 @@ TEST(WildMotion, KeepsRotationsAndHingesSound) {
         const Eigen::Quaterniond elbow = Local(motion, f, ArmJoint(kBLElbow, side));
         ASSERT_LT(std::hypot(knee.x(), knee.z()), 1e-9);
         ASSERT_LT(std::hypot(elbow.x(), elbow.z()), 1e-9);
-        const double knee_deg = 2.0 * std::atan2(knee.y(), knee.w()) * kDegrees;
-        const double elbow_deg = -2.0 * std::atan2(elbow.y(), elbow.w()) * kDegrees;
+        const double knee_deg = DegFromRad(2.0 * std::atan2(knee.y(), knee.w()));
+        const double elbow_deg = DegFromRad(-2.0 * std::atan2(elbow.y(), elbow.w()));
         ASSERT_GE(knee_deg, -1e-9);
         ASSERT_LE(knee_deg, 148.0 + 1e-9);
         ASSERT_GE(elbow_deg, -1e-9);

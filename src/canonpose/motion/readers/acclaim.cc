@@ -131,7 +131,7 @@ class AmcReader {
         const Channel& channel = bone.channels[c];
         const double value = values_[first_value_[b] + c];
         if (channel.is_rotation) {
-          angles[channel.axis] = is_in_degrees_ ? RadFromDeg(value) : value;
+          angles[channel.axis] = is_in_degrees_ ? value * kRadPerDeg : value;
         } else {
           root[channel.axis] = value * skeleton_.unit_mm;
         }

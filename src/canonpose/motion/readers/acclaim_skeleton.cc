@@ -235,7 +235,7 @@ class AsfParser {
       for (int i = 0; i < 3; ++i) {
         bone.order[i] = turn.order[i];
         const double angle = turn.angles[i];
-        bone.axis = RotationAbout(turn.order[i], skeleton_.is_in_degrees ? RadFromDeg(angle) : angle) * bone.axis;
+        bone.axis = RotationAbout(turn.order[i], skeleton_.is_in_degrees ? angle * kRadPerDeg : angle) * bone.axis;
       }
       const int position = static_cast<int>(skeleton_.bones.size());
       skeleton_.bones.push_back(std::move(bone));

@@ -291,7 +291,7 @@ void AddFrame(const BvhFile& bvh, const std::vector<bool>& is_left_out, std::siz
       const Channel& channel = joint.channels[c];
       const double value = row[joint.first_value + c];
       if (channel.is_rotation) {
-        rotation = rotation * RotationAbout(channel.axis, RadFromDeg(value));
+        rotation = rotation * RotationAbout(channel.axis, value * kRadPerDeg);
       } else {
         position[channel.axis] = value;
       }

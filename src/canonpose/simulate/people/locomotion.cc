@@ -152,13 +152,13 @@ std::array<std::vector<double>, 2> BusyHands(Stage& stage, double chance) {
 void PerformGait(Stage& stage) {
   StandNaturally(stage);
   const std::vector<Leg> legs = PlanLegs(stage, false);
-  WalkThroughRoom(stage, legs, 1000.0 * stage.Uniform(1.5, 2.2), Deg(stage.Uniform(75.0, 125.0)));
+  WalkThroughRoom(stage, legs, 1000.0 * stage.Uniform(1.5, 2.2), RadFromDeg(stage.Uniform(75.0, 125.0)));
   StepOptions options;
   options.half_width = stage.Tall(stage.Uniform(0.022, 0.055));
-  options.toe_out = Deg(stage.Uniform(-3.0, 14.0));
+  options.toe_out = RadFromDeg(stage.Uniform(-3.0, 14.0));
   options.lift = stage.Chance(0.12) ? stage.Uniform(0.06, 0.16) : stage.Uniform(0.015, 0.04);
-  options.heel_rise = Deg(stage.Uniform(26.0, 46.0));
-  options.toes_up = Deg(stage.Uniform(5.0, 24.0));
+  options.heel_rise = RadFromDeg(stage.Uniform(26.0, 46.0));
+  options.toes_up = RadFromDeg(stage.Uniform(5.0, 24.0));
   options.cadence = stage.Uniform(0.88, 1.14);
   options.lean_over = stage.Uniform(0.006, 0.018);
   PlaceFeet(stage, options.half_width);
@@ -171,7 +171,7 @@ void PerformGait(Stage& stage) {
   }
   const std::array<std::vector<double>, 2> busy = BusyHands(stage, 0.4);
   SwingAlong(stage, LeftFootAhead(stage), swing, busy, stage.Uniform(0.08, 0.28), stage.Uniform(0.1, 0.45));
-  stage.Add(kTrunkFlex, Deg(stage.Chance(0.1) ? stage.Uniform(10.0, 30.0) : stage.Uniform(-3.0, 3.0)));
+  stage.Add(kTrunkFlex, RadFromDeg(stage.Chance(0.1) ? stage.Uniform(10.0, 30.0) : stage.Uniform(-3.0, 3.0)));
   stage.Add(kPelvisZ, -stage.Tall(stage.Chance(0.1) ? stage.Uniform(0.02, 0.10) : stage.Uniform(0.0, 0.003)));
   LookAround(stage, 0.0, stage.seconds(), 3.0);
 }
@@ -179,14 +179,14 @@ void PerformGait(Stage& stage) {
 void PerformRun(Stage& stage) {
   StandNaturally(stage);
   const std::vector<Leg> legs = PlanLegs(stage, true);
-  WalkThroughRoom(stage, legs, 1000.0 * stage.Uniform(1.3, 2.0), Deg(stage.Uniform(120.0, 165.0)));
+  WalkThroughRoom(stage, legs, 1000.0 * stage.Uniform(1.3, 2.0), RadFromDeg(stage.Uniform(120.0, 165.0)));
   StepOptions options;
   options.running = true;
   options.half_width = stage.Tall(stage.Uniform(0.022, 0.040));
-  options.toe_out = Deg(stage.Uniform(-2.0, 10.0));
+  options.toe_out = RadFromDeg(stage.Uniform(-2.0, 10.0));
   options.lift = stage.Uniform(0.08, 0.18);
-  options.heel_rise = Deg(stage.Uniform(40.0, 58.0));
-  options.toes_up = Deg(stage.Uniform(0.0, 16.0));
+  options.heel_rise = RadFromDeg(stage.Uniform(40.0, 58.0));
+  options.toes_up = RadFromDeg(stage.Uniform(0.0, 16.0));
   options.cadence = stage.Uniform(0.92, 1.10);
   PlaceFeet(stage, options.half_width);
   const double bounce = stage.Tall(stage.Uniform(0.035, 0.06));
@@ -199,16 +199,16 @@ void PerformRun(Stage& stage) {
   for (const int side : {kLeft, kRight}) {
     swing.reach[side] = stage.Uniform(0.9, 1.7);
     swing.elbow[side] = stage.Uniform(0.1, 0.7);
-    stage.Add(Of(kElbow, side), Deg(stage.Uniform(45.0, 80.0)));
-    stage.Add(Of(kShoulderFlex, side), -Deg(stage.Uniform(5.0, 20.0)));
-    stage.Add(Of(kShoulderTwist, side), Deg(stage.Uniform(-8.0, 18.0)));
-    stage.Add(Of(kShoulderAbd, side), Deg(stage.Uniform(5.0, 18.0)));
+    stage.Add(Of(kElbow, side), RadFromDeg(stage.Uniform(45.0, 80.0)));
+    stage.Add(Of(kShoulderFlex, side), -RadFromDeg(stage.Uniform(5.0, 20.0)));
+    stage.Add(Of(kShoulderTwist, side), RadFromDeg(stage.Uniform(-8.0, 18.0)));
+    stage.Add(Of(kShoulderAbd, side), RadFromDeg(stage.Uniform(5.0, 18.0)));
   }
   const std::array<std::vector<double>, 2> busy = BusyHands(stage, 0.15);
   SwingAlong(stage, LeftFootAhead(stage), swing, busy, stage.Uniform(0.10, 0.25), stage.Uniform(0.25, 0.50));
-  stage.Add(kTrunkFlex, Deg(stage.Uniform(2.0, 10.0)));
-  stage.Add(kPelvisPitch, Deg(stage.Uniform(2.0, 9.0)));
-  stage.Add(kNeckFlex, -Deg(stage.Uniform(2.0, 12.0)));
+  stage.Add(kTrunkFlex, RadFromDeg(stage.Uniform(2.0, 10.0)));
+  stage.Add(kPelvisPitch, RadFromDeg(stage.Uniform(2.0, 9.0)));
+  stage.Add(kNeckFlex, -RadFromDeg(stage.Uniform(2.0, 12.0)));
   LookAround(stage, 0.0, stage.seconds(), 5.0);
 }
 

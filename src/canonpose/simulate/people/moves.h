@@ -30,7 +30,7 @@ struct LegPose {
   double flex;  ///< of the line from hip to ankle
   double abd;
   double knee;
-  double ankle = Deg(20.0);
+  double ankle = RadFromDeg(20.0);
   double twist = 0.0;
 };
 /// Lifts a foot off the ground into a pose; the pelvis goes over the other.
@@ -46,9 +46,9 @@ struct Jump {
   double ahead = 0.0;  ///< how far, mm
   double left = 0.0;
   double turn = 0.0;
-  LegPose left_leg{Deg(2.0), Deg(4.0), Deg(14.0), Deg(42.0)};   ///< in flight
-  LegPose right_leg{Deg(2.0), Deg(4.0), Deg(14.0), Deg(42.0)};  ///< in flight
-  double feet_apart = 0.0;                                      ///< by how much the stance is wider after it, mm
+  LegPose left_leg{RadFromDeg(2.0), RadFromDeg(4.0), RadFromDeg(14.0), RadFromDeg(42.0)};   ///< in flight
+  LegPose right_leg{RadFromDeg(2.0), RadFromDeg(4.0), RadFromDeg(14.0), RadFromDeg(42.0)};  ///< in flight
+  double feet_apart = 0.0;  ///< by how much the stance is wider after it, mm
   bool arms_swing = true;
   bool bounce = false;  ///< short and springy: hops in a row
 };

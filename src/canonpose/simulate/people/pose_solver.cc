@@ -14,9 +14,9 @@ using Eigen::Vector3d;
 
 // A planted leg is not stretched further than this share of its length (a knee of about 9 degrees).
 constexpr double kStretch = 0.9965;
-constexpr double kMaxKnee = Deg(148.0);
-constexpr double kMaxElbow = Deg(145.0);
-constexpr double kMinElbow = Deg(3.0);
+constexpr double kMaxKnee = RadFromDeg(148.0);
+constexpr double kMaxElbow = RadFromDeg(145.0);
+constexpr double kMinElbow = RadFromDeg(3.0);
 
 // max(x, 0), rounded within +-width.
 double SoftPositive(double x, double width) {
@@ -153,7 +153,7 @@ class Solver {
     const std::size_t i = Body::Index(side);
     if (stage_.boots()) return SkiBoot(side);
     const double pitch = Get(Of(kFootPitch, side)) + extra_pitch;
-    constexpr double kWidth = Deg(4.0);
+    constexpr double kWidth = RadFromDeg(4.0);
     const double heel_up = (pitch + std::sqrt(pitch * pitch + kWidth * kWidth) - kWidth) / 2;
     const double height = body_.ankle_height[i];
     const double lift = Get(Of(kFootLift, side));
@@ -168,7 +168,7 @@ class Solver {
     foot.ankle = Vector3d(Get(Of(kFootX, side)), Get(Of(kFootY, side)), lift + height) + yaw * ankle;
     foot.world_from_foot = yaw * AboutY(pitch) * AboutX(-Get(Of(kFootRoll, side)));
     const double grounded = std::exp(-std::max(lift, 0.0) / (0.025 * tall_));
-    foot.toe_bend = std::min(heel_up * grounded, Deg(60.0));
+    foot.toe_bend = std::min(heel_up * grounded, RadFromDeg(60.0));
     return foot;
   }
 
@@ -186,9 +186,9 @@ class Solver {
   [[nodiscard]] Vector3d FreeAnkle(int side) const {
     const std::size_t i = Body::Index(side);
     const double sign = SideSign(side);
-    const double flex = SoftClamp(Get(Of(kLegFlex, side)), Deg(-40.0), Deg(125.0), Deg(8.0));
-    const double abd = SoftClamp(Get(Of(kLegAbd, side)), Deg(-32.0), Deg(75.0), Deg(6.0));
-    const double knee = SoftClamp(Get(Of(kKnee, side)), Deg(2.0), kMaxKnee, Deg(2.0));
+    const double flex = SoftClamp(Get(Of(kLegFlex, side)), RadFromDeg(-40.0), RadFromDeg(125.0), RadFromDeg(8.0));
+    const double abd = SoftClamp(Get(Of(kLegAbd, side)), RadFromDeg(-32.0), RadFromDeg(75.0), RadFromDeg(6.0));
+    const double knee = SoftClamp(Get(Of(kKnee, side)), RadFromDeg(2.0), kMaxKnee, RadFromDeg(2.0));
     const Quaterniond swing = FromRotationVector({sign * abd, -flex, 0});
     const double distance = DistanceAt(body_.thigh[i], body_.shank[i], knee);
     return HipOf(side) + world_from_pelvis_ * (swing * Vector3d(0, 0, -distance));
@@ -203,7 +203,7 @@ class Solver {
     const double distance = SpannableDistance(body_.thigh[i], body_.shank[i], leg.norm(), kMaxKnee);
     double twist = Get(Of(kLegTwist, side));
     twist += (1.0 - Free(side)) * 0.75 * sign * (Get(Of(kFootYaw, side)) - Get(kPelvisYaw));
-    twist = SoftClamp(twist, Deg(-42.0), Deg(62.0), Deg(8.0));
+    twist = SoftClamp(twist, RadFromDeg(-42.0), RadFromDeg(62.0), RadFromDeg(8.0));
     const Vector3d front = FromDown(along) * (AboutZ(sign * twist) * Vector3d::UnitX());
     const double knee = BendOf(body_.thigh[i], body_.shank[i], distance);
     // Angle at the hip between the thigh and the line to the ankle.
@@ -234,13 +234,13 @@ class Solver {
       // An ankle bends up to about 32 degrees; then the heel comes off the ground.
       const Vector3d shank = foot.world_from_foot.conjugate() * (world_from_shank * Vector3d::UnitZ());
       const double tilt = std::atan2(shank.x(), std::max(shank.z(), 0.2));
-      const double extra = (1.0 - free) * SoftPositive(tilt - Deg(30.0), Deg(8.0));
+      const double extra = (1.0 - free) * SoftPositive(tilt - RadFromDeg(30.0), RadFromDeg(8.0));
       if (extra > 0.0) {
         foot = PlantedFoot(side, extra);
         world_from_shank = BendLeg(side, (1.0 - free) * foot.ankle + free * free_ankle);
       }
     }
-    const double plantar = SoftClamp(Get(Of(kAnkle, side)), Deg(-28.0), Deg(62.0), Deg(6.0));
+    const double plantar = SoftClamp(Get(Of(kAnkle, side)), RadFromDeg(-28.0), RadFromDeg(62.0), RadFromDeg(6.0));
     Quaterniond planted = world_from_shank.conjugate() * foot.world_from_foot;
     const int foot_joint = LegJoint(kBLFoot, side);
     if (free <= 0.0) {
@@ -259,15 +259,15 @@ class Solver {
   }
 
   void SolveTrunk() {
-    const double flex = SoftClamp(Get(kTrunkFlex), Deg(-38.0), Deg(82.0), Deg(8.0));
-    const double side = SoftClamp(Get(kTrunkSide), Deg(-42.0), Deg(42.0), Deg(6.0));
-    const double twist = SoftClamp(Get(kTrunkTwist), Deg(-55.0), Deg(55.0), Deg(8.0));
+    const double flex = SoftClamp(Get(kTrunkFlex), RadFromDeg(-38.0), RadFromDeg(82.0), RadFromDeg(8.0));
+    const double side = SoftClamp(Get(kTrunkSide), RadFromDeg(-42.0), RadFromDeg(42.0), RadFromDeg(6.0));
+    const double twist = SoftClamp(Get(kTrunkTwist), RadFromDeg(-55.0), RadFromDeg(55.0), RadFromDeg(8.0));
     local_[kBHip] = world_from_pelvis_;
     local_[kBLumbar] = Bend(0.55 * flex, 0.5 * side, 0.3 * twist);
     local_[kBSpine] = Bend(0.45 * flex, 0.5 * side, 0.7 * twist);
-    const double neck_flex = SoftClamp(Get(kNeckFlex), Deg(-55.0), Deg(52.0), Deg(8.0)) / 2;
-    const double neck_side = SoftClamp(Get(kNeckSide), Deg(-38.0), Deg(38.0), Deg(6.0)) / 2;
-    const double neck_twist = SoftClamp(Get(kNeckTwist), Deg(-76.0), Deg(76.0), Deg(8.0)) / 2;
+    const double neck_flex = SoftClamp(Get(kNeckFlex), RadFromDeg(-55.0), RadFromDeg(52.0), RadFromDeg(8.0)) / 2;
+    const double neck_side = SoftClamp(Get(kNeckSide), RadFromDeg(-38.0), RadFromDeg(38.0), RadFromDeg(6.0)) / 2;
+    const double neck_twist = SoftClamp(Get(kNeckTwist), RadFromDeg(-76.0), RadFromDeg(76.0), RadFromDeg(8.0)) / 2;
     local_[kBNeck] = Bend(neck_flex, neck_side, neck_twist);
     local_[kBUpperNeck] = Bend(neck_flex, neck_side, neck_twist);
     PlaceTrunk();
@@ -355,25 +355,27 @@ class Solver {
   Quaterniond ClavicleOf(int side, double flex, double abd) const {
     const double sign = SideSign(side);
     // The shoulder blade takes part in raising the arm.
-    const double raised = SoftPositive(std::hypot(flex, abd) - Deg(45.0), Deg(15.0));
-    const double up = SoftClamp(Get(Of(kShrug, side)) + 0.17 * raised, Deg(-8.0), Deg(34.0), Deg(4.0));
-    const double ahead = SoftClamp(Get(Of(kProtract, side)) + 0.12 * flex, Deg(-18.0), Deg(24.0), Deg(4.0));
+    const double raised = SoftPositive(std::hypot(flex, abd) - RadFromDeg(45.0), RadFromDeg(15.0));
+    const double up =
+        SoftClamp(Get(Of(kShrug, side)) + 0.17 * raised, RadFromDeg(-8.0), RadFromDeg(34.0), RadFromDeg(4.0));
+    const double ahead =
+        SoftClamp(Get(Of(kProtract, side)) + 0.12 * flex, RadFromDeg(-18.0), RadFromDeg(24.0), RadFromDeg(4.0));
     return AboutZ(-sign * ahead) * AboutX(sign * up);
   }
 
   void SolveArm(int side) {
     const std::size_t i = Body::Index(side);
     const double sign = SideSign(side);
-    double flex = SoftClamp(Get(Of(kShoulderFlex, side)), Deg(-62.0), Deg(176.0), Deg(8.0));
-    double abd = SoftClamp(Get(Of(kShoulderAbd, side)), Deg(-48.0), Deg(176.0), Deg(6.0));
+    double flex = SoftClamp(Get(Of(kShoulderFlex, side)), RadFromDeg(-62.0), RadFromDeg(176.0), RadFromDeg(8.0));
+    double abd = SoftClamp(Get(Of(kShoulderAbd, side)), RadFromDeg(-48.0), RadFromDeg(176.0), RadFromDeg(6.0));
     const double angle = std::hypot(flex, abd);
-    if (angle > Deg(160.0)) {
-      const double shrink = SoftClamp(angle, 0.0, Deg(174.0), Deg(6.0)) / angle;
+    if (angle > RadFromDeg(160.0)) {
+      const double shrink = SoftClamp(angle, 0.0, RadFromDeg(174.0), RadFromDeg(6.0)) / angle;
       flex *= shrink;
       abd *= shrink;
     }
-    const double twist = SoftClamp(Get(Of(kShoulderTwist, side)), Deg(-92.0), Deg(98.0), Deg(8.0));
-    const double bend = SoftClamp(Get(Of(kElbow, side)), kMinElbow, kMaxElbow - Deg(2.0), Deg(3.0));
+    const double twist = SoftClamp(Get(Of(kShoulderTwist, side)), RadFromDeg(-92.0), RadFromDeg(98.0), RadFromDeg(8.0));
+    const double bend = SoftClamp(Get(Of(kElbow, side)), kMinElbow, kMaxElbow - RadFromDeg(2.0), RadFromDeg(3.0));
     const Quaterniond clavicle = ClavicleOf(side, flex, abd);
     const int first = ArmJoint(kBLClavicle, side);
     const Vector3d shoulder =
@@ -425,7 +427,7 @@ class Solver {
     const double flat = SoftPositive(-fore.dot(upper) - 0.75, 0.1);
     front = bend < 1e-5 ? line.front : Vector3d(front + 2.5 * flat * line.front);
     local[1] = line.world_from_clavicle.conjugate() * LimbFrame(upper, front);
-    local[2] = AboutY(-(bend - SoftPositive(bend - kMaxElbow + Deg(2.0), Deg(4.0))));
+    local[2] = AboutY(-(bend - SoftPositive(bend - kMaxElbow + RadFromDeg(2.0), RadFromDeg(4.0))));
   }
 
   const Stage& stage_;

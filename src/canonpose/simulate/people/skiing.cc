@@ -31,15 +31,15 @@ struct SkierStyle {
 
 SkierStyle MakeSkier(Stage& stage) {
   SkierStyle skier{};
-  skier.slope = Deg(stage.Uniform(10.0, 27.0));
+  skier.slope = RadFromDeg(stage.Uniform(10.0, 27.0));
   skier.heading = stage.Uniform(-kPi, kPi);
   skier.turn_seconds = stage.Uniform(1.05, 1.9);
-  skier.inclination = Deg(stage.Uniform(36.0, 56.0));
+  skier.inclination = RadFromDeg(stage.Uniform(36.0, 56.0));
   skier.stretch = stage.Uniform(0.74, 0.83);
   skier.stretch_range = stage.Uniform(0.0, 0.035);
   skier.stretch_phase = stage.Uniform(-0.6, 0.6);
-  skier.crouch_pitch = Deg(stage.Uniform(2.0, 18.0));
-  skier.crouch_flex = Deg(stage.Uniform(12.0, 40.0));
+  skier.crouch_pitch = RadFromDeg(stage.Uniform(2.0, 18.0));
+  skier.crouch_flex = RadFromDeg(stage.Uniform(12.0, 40.0));
   skier.angulation = stage.Uniform(0.35, 0.7);
   skier.facing = stage.Uniform(0.2, 0.6);
   skier.width = stage.Tall(stage.Uniform(0.13, 0.20));
@@ -99,7 +99,7 @@ class Skier {
       turn.front = (down_speed * downhill + Vector3d(0, across_speed, 0)).normalized();
       const double press = amplitude * size * own_rate * own_rate * std::sin(phase);
       turn.lean = -std::atan2(press, kGravityMmPerS2 * std::cos(skier_.slope));
-      turn.lean /= std::pow(1.0 + std::pow(turn.lean / Deg(62.0), 8.0), 1.0 / 8.0);
+      turn.lean /= std::pow(1.0 + std::pow(turn.lean / RadFromDeg(62.0), 8.0), 1.0 / 8.0);
       Write(f, turn, phase);
       phase += dt * own_rate;
       down += dt * down_speed;
@@ -137,8 +137,8 @@ class Skier {
     // The outer hand lower, the inner one up, off the snow.
     for (const int side : {kLeft, kRight}) {
       const double inner = SideSign(side) * inside;
-      Put(Of(kShoulderAbd, side), frame, Deg(20.0) * inner + Deg(8.0) * inner * inner);
-      Put(Of(kShoulderFlex, side), frame, Deg(12.0) * inner);
+      Put(Of(kShoulderAbd, side), frame, RadFromDeg(20.0) * inner + RadFromDeg(8.0) * inner * inner);
+      Put(Of(kShoulderFlex, side), frame, RadFromDeg(12.0) * inner);
     }
   }
 
@@ -197,16 +197,16 @@ void PerformSki(Stage& stage) {
   skier.Ski();
   stage.Add(kTrunkFlex, skier.skier().crouch_flex);
   stage.Add(kNeckFlex, -0.55 * (skier.skier().crouch_flex + skier.skier().crouch_pitch));
-  stage.Waver(kTrunkFlex, Deg(5.0), 0.8);
+  stage.Waver(kTrunkFlex, RadFromDeg(5.0), 0.8);
   // Hands forward and apart with the poles, each with its own habit; a pole plant where turns change.
   for (const int side : {kLeft, kRight}) {
-    stage.Add(Of(kShoulderFlex, side), Deg(stage.Uniform(20.0, 48.0)));
-    stage.Add(Of(kShoulderAbd, side), Deg(stage.Uniform(12.0, 38.0)));
-    stage.Add(Of(kShoulderTwist, side), Deg(stage.Uniform(-15.0, 25.0)));
-    stage.Add(Of(kElbow, side), Deg(stage.Uniform(25.0, 70.0)));
-    stage.Waver(Of(kShoulderFlex, side), Deg(9.0), 1.0);
-    stage.Waver(Of(kShoulderAbd, side), Deg(7.0), 1.0);
-    stage.Waver(Of(kElbow, side), Deg(12.0), 1.0);
+    stage.Add(Of(kShoulderFlex, side), RadFromDeg(stage.Uniform(20.0, 48.0)));
+    stage.Add(Of(kShoulderAbd, side), RadFromDeg(stage.Uniform(12.0, 38.0)));
+    stage.Add(Of(kShoulderTwist, side), RadFromDeg(stage.Uniform(-15.0, 25.0)));
+    stage.Add(Of(kElbow, side), RadFromDeg(stage.Uniform(25.0, 70.0)));
+    stage.Waver(Of(kShoulderFlex, side), RadFromDeg(9.0), 1.0);
+    stage.Waver(Of(kShoulderAbd, side), RadFromDeg(7.0), 1.0);
+    stage.Waver(Of(kElbow, side), RadFromDeg(12.0), 1.0);
   }
 }
 

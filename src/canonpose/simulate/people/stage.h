@@ -6,16 +6,17 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "canonpose/base/random.h"
+#include "canonpose/geometry/angles.h"
 #include "canonpose/simulate/people/body.h"
 
 namespace canonpose {
 
 constexpr double kGravityMmPerS2 = 9810.0;
-constexpr double kPi = 3.14159265358979323846;
-constexpr double Deg(double degrees) { return degrees * kPi / 180.0; }
+constexpr double kPi = std::numbers::pi;
 
 /// What moves: the channels of the trunk, then those of the left limbs, then those of the right.
 enum StageChannel : int {

@@ -11,13 +11,13 @@ struct StepOptions {
   bool running = false;
   double half_width = 0.0;  ///< mm from the line of walking to an ankle
   double toe_out = 0.0;
-  double lift = 0.03;            ///< of a swinging foot, as a share of the stature
-  double heel_rise = Deg(35.0);  ///< before the foot leaves the ground, at full speed forward
-  double toes_up = Deg(14.0);    ///< when it lands
-  double cadence = 1.0;          ///< steps a second relative to what is usual for the speed
-  double patience_mm = 60.0;     ///< a standing person does not correct a foot that is this little off
-  double lean_over = 0.010;      ///< sway of the pelvis over the standing leg, as a share of the stature
-  double from = -0.1;            ///< seconds; steps begin in this part of the clip
+  double lift = 0.03;                   ///< of a swinging foot, as a share of the stature
+  double heel_rise = RadFromDeg(35.0);  ///< before the foot leaves the ground, at full speed forward
+  double toes_up = RadFromDeg(14.0);    ///< when it lands
+  double cadence = 1.0;                 ///< steps a second relative to what is usual for the speed
+  double patience_mm = 60.0;            ///< a standing person does not correct a foot that is this little off
+  double lean_over = 0.010;             ///< sway of the pelvis over the standing leg, as a share of the stature
+  double from = -0.1;                   ///< seconds; steps begin in this part of the clip
   double to = 1e9;
 };
 

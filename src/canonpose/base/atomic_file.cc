@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/temporary_folder.h"
 
 namespace canonpose {
 namespace {
@@ -24,6 +25,13 @@ int Sync(const fs::path& path, int flags) {
   const int result = ::fsync(descriptor) == 0 ? 0 : errno;
   ::close(descriptor);
   return result;
+}
+
+/// The permissions that new files of this process do not get. It can only be read by setting it.
+mode_t FileModeMask() {
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  return mask;
 }
 
 fs::path FolderOf(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
@@ -100,10 +108,8 @@ AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)) {
   std::string pattern = (FolderOf(target_) / (".new-" + target_.filename().string() + "-XXXXXX")).string();
   const int descriptor = ::mkstemp(pattern.data());
   if (descriptor < 0) ThrowCannotWrite(path_, errno);
-  // mkstemp makes files private; give the permissions an ordinary file would have.
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  ::fchmod(descriptor, 0666 & ~mask);
+  // mkstemp makes files private; give it the permissions that an ordinary file would have.
+  ::fchmod(descriptor, 0666 & ~FileModeMask());
   ::close(descriptor);
   temporary_path_ = pattern;
 }
@@ -126,13 +132,10 @@ AtomicFolder::AtomicFolder(const fs::path& path) : path_(path.has_filename() ? p
                    "remove it, or choose another place"});
   }
   MakeDirectory(FolderOf(path_));
-  std::string pattern = (FolderOf(path_) / (".new-" + path_.filename().string() + "-XXXXXX")).string();
-  if (::mkdtemp(pattern.data()) == nullptr) ThrowCannotWrite(path_, errno);
-  temporary_path_ = pattern;
-  // mkdtemp makes folders private; give the permissions an ordinary one would have.
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  ::chmod(pattern.c_str(), 0777 & ~mask);
+  temporary_path_ = MakeUniqueFolder(FolderOf(path_) / (".new-" + path_.filename().string() + "-"), error);
+  if (error) ThrowCannotWrite(path_, error.value());
+  // Give it the permissions that an ordinary folder would have.
+  ::chmod(temporary_path_.c_str(), 0777 & ~FileModeMask());
 }
 
 AtomicFolder::~AtomicFolder() {

@@ -5,10 +5,9 @@
 
 #include <Eigen/Core>
 
-namespace canonpose {
+#include "canonpose/geometry/points.h"
 
-/// (N, 3), one joint a row.
-using Points3d = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+namespace canonpose {
 
 /// The s that makes |s * from - to|^2 least: <from, to> / <from, from>; 0 where `from` is all zeros. Negative where the
 /// two point away from each other, as in the formula that published figures were made with.

@@ -25,7 +25,8 @@ constexpr double kLongestLegMm = 1300.0;
 /// A leg bent by less than this share of its length does not tell to which side it bends.
 constexpr double kBent = 0.01;
 constexpr int kFewestFrames = 5;
-constexpr double kMaxFrames = 0.75;
+/// The sides are clear where this fraction of the frames agrees on them.
+constexpr double kAgreeingFraction = 0.75;
 
 /// Joints of one pose by what they are.
 class Pose {
@@ -87,15 +88,15 @@ std::optional<bool> IsSwapped(const Skeleton& layout, const std::vector<float>& 
   }
   const int total = ahead + behind;
   if (total < kFewestFrames) return std::nullopt;
-  if (ahead >= kMaxFrames * total) return false;
-  if (behind >= kMaxFrames * total) return true;
+  if (ahead >= kAgreeingFraction * total) return false;
+  if (behind >= kAgreeingFraction * total) return true;
   return std::nullopt;
 }
 
 }  // namespace
 
 PoseUnit DetectUnit(const Skeleton& layout, const std::vector<float>& poses, const std::string& file,
-                  const std::string& place) {
+                    const std::string& place) {
   std::vector<double> lengths;
   for (const Pose& pose : SomePoses(layout, poses)) {
     for (const char* const side : {"l", "r"}) {

@@ -19,12 +19,12 @@
 #include "canonpose/base/median.h"
 #include "canonpose/data/readers/benchmarks/anatomy.h"
 #include "canonpose/data/readers/benchmarks/builder.h"
+#include "canonpose/geometry/points.h"
 
 namespace canonpose {
 namespace {
 
 namespace fs = std::filesystem;
-using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Matrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 constexpr std::size_t kSkiJoints = 17;
@@ -38,7 +38,7 @@ struct Row {
   int cam = 0;
   int frame = 0;
   std::vector<double> keypoints;  ///< (17, 2) pixels
-  Points pose;                    ///< (17, 3) as the file has it
+  Points3d pose;                  ///< (17, 3) as the file has it
   Camera camera;                  ///< its translation in the file's unit
   Eigen::Vector3d place;          ///< of the camera, in the file's unit
 };
@@ -73,8 +73,9 @@ class LabelsFile {
     Row row;
     row.cam = cam_[i];
     row.frame = frame_[i];
-    for (std::size_t k = 0; k < 2 * kSkiJoints; ++k) row.keypoints.push_back(kCropSize * keypoints_[2 * kSkiJoints * i + k]);
-    row.pose = Eigen::Map<const Points>(&poses_[3 * kSkiJoints * i], kSkiJoints, 3);
+    for (std::size_t k = 0; k < 2 * kSkiJoints; ++k)
+      row.keypoints.push_back(kCropSize * keypoints_[2 * kSkiJoints * i + k]);
+    row.pose = Eigen::Map<const Points3d>(&poses_[3 * kSkiJoints * i], kSkiJoints, 3);
     row.place = Eigen::Map<const Eigen::Vector3d>(&position_[3 * i]);
     const Matrix3 K = Eigen::Map<const Matrix3>(&intrinsic_[9 * i]);
     const bool is_camera_matrix = K(0, 0) > 0.0 && K(1, 1) > 0.0 && std::abs(K(2, 2) - 1.0) < 1e-6 &&
@@ -176,7 +177,7 @@ constexpr std::array<Frame, 4> kFrames = {
 
 /// The shift with which points project nearest to pixels: u (z + c) = x + a and v (z + c) = y + b for each joint, by
 /// least squares.
-Eigen::Vector3d FindPlace(const Points& points, const Row& row) {
+Eigen::Vector3d FindPlace(const Points3d& points, const Row& row) {
   const auto joints = static_cast<Eigen::Index>(kSkiJoints);
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * joints, 3);
   Eigen::VectorXd b(2 * joints);
@@ -194,8 +195,8 @@ Eigen::Vector3d FindPlace(const Points& points, const Row& row) {
 }
 
 /// The pose of a row in its camera's frame, in the file's unit, if 3D is in `frame`.
-Points InCamera(const Row& row, const Frame& frame) {
-  Points points = row.pose;
+Points3d InCamera(const Row& row, const Frame& frame) {
+  Points3d points = row.pose;
   if (frame.is_world) {
     const Eigen::Vector3d origin = frame.has_place ? row.place : Eigen::Vector3d::Zero();
     points = (points.rowwise() - origin.transpose()) * row.camera.camera_from_world_rotation.transpose();
@@ -204,7 +205,7 @@ Points InCamera(const Row& row, const Frame& frame) {
   return points;
 }
 
-double ErrorPx(const Row& row, const Points& points) {
+double ErrorPx(const Row& row, const Points3d& points) {
   std::vector<double> distances;
   for (Eigen::Index j = 0; j < points.rows(); ++j) {
     const auto at = static_cast<std::size_t>(2 * j);
@@ -251,13 +252,13 @@ const Frame& DetectFrame(const LabelsFile& file) {
 /// Median distance, in the file's unit, between the joints about the root that two cameras of one frame have in the
 /// world; NaN where no frame has two. Poses are in their cameras' frames.
 double DisagreementInWorld(const LabelsFile& file) {
-  std::map<std::tuple<int, int, int>, Points> first;  // by subject, sequence and frame
+  std::map<std::tuple<int, int, int>, Points3d> first;  // by subject, sequence and frame
   std::vector<double> distances;
   for (std::size_t i = 0; i < file.size(); ++i) {
     const Row row = file.At(i);
     const auto [subject, sequence] = file.KeyOf(i);
-    const Points about_root = row.pose.rowwise() - row.pose.row(0);
-    const Points in_world = about_root * row.camera.camera_from_world_rotation;
+    const Points3d about_root = row.pose.rowwise() - row.pose.row(0);
+    const Points3d in_world = about_root * row.camera.camera_from_world_rotation;
     const auto [other, is_first] = first.emplace(std::tuple(subject, sequence, row.frame), in_world);
     if (is_first) continue;
     for (Eigen::Index j = 1; j < in_world.rows(); ++j) {
@@ -322,7 +323,8 @@ CameraView MakeView(int cam, const std::map<int, Row>& rows, const std::vector<i
     camera.camera_from_world_translation_mm *= mm;
     view.calibration.push_back(camera);
     const bool is_seen = nearest->first == number;
-    const Points points = is_seen ? InCamera(nearest->second, frame) : Points::Constant(kSkiJoints, 3, std::nan(""));
+    const Points3d points =
+        is_seen ? InCamera(nearest->second, frame) : Points3d::Constant(kSkiJoints, 3, std::nan(""));
     for (std::size_t i = 0; i < 2 * kSkiJoints; ++i) {
       view.keypoints.push_back(is_seen ? static_cast<float>(nearest->second.keypoints[i]) : kUnknown);
     }
@@ -403,7 +405,7 @@ class SkiPoseImporter {
   void RenameLegs(LabelsFile& file, const Frame& frame) {
     std::vector<float> poses;
     for (std::size_t i = 0; i < file.size(); ++i) {
-      const Points points = InCamera(file.At(i), frame);
+      const Points3d points = InCamera(file.At(i), frame);
       for (Eigen::Index k = 0; k < points.size(); ++k) poses.push_back(static_cast<float>(points.data()[k]));
     }
     const SideCheck sides = CheckSides(BenchmarkLayout("h36m-17"), poses);

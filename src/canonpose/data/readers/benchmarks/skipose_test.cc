@@ -11,6 +11,7 @@
 
 #include "canonpose/base/hdf5.h"
 #include "canonpose/data/readers/benchmarks/benchmarks_testing.h"
+#include "canonpose/geometry/points.h"
 
 namespace canonpose {
 namespace {
@@ -69,7 +70,6 @@ class SkiRows {
 TEST(SkiPoseTest, FrameAndUnitOfPosesAreFound) {
   const TemporaryFolder folder;
   const Dataset original = Import(Options("skipose", {"skipose/test"})).dataset;
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
   for (const bool is_world : {false, true}) {
     SkiRows rows;
     // Absolute poses, from the places that the importer found.
@@ -77,7 +77,7 @@ TEST(SkiPoseTest, FrameAndUnitOfPosesAreFound) {
       const Sequence& sequence = original.sequences[0];
       const CameraView& view = Find(sequence, fmt::format("cam_{:02.0f}", rows["cam"][i]));
       const auto frame = static_cast<std::size_t>((rows["frame"][i] - 5) / 3);
-      Eigen::Map<Rows> pose(&rows["3D"][51 * i], 17, 3);
+      Eigen::Map<Points3d> pose(&rows["3D"][51 * i], 17, 3);
       for (std::size_t k = 0; k < 51; ++k) rows["3D"][51 * i + k] = 0.1 * view.truth[51 * frame + k];
       Eigen::Map<Eigen::Vector3d> place(&rows["cam_position"][3 * i]);
       place *= 100.0;

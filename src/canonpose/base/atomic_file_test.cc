@@ -1,11 +1,8 @@
-#include <algorithm>
-#include <chrono>
-#include <cmath>
+#include "canonpose/base/atomic_file.h"
+
 #include <csignal>
 #include <fstream>
-#include <regex>
-#include <set>
-#include <thread>
+#include <string>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -14,13 +11,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "canonpose/base/atomic_file.h"
-#include "canonpose/base/error.h"
-#include "canonpose/base/hash.h"
-#include "canonpose/base/log.h"
-#include "canonpose/base/nearest_name.h"
-#include "canonpose/base/progress.h"
-#include "canonpose/base/random.h"
 #include "canonpose/base/testing.h"
 
 namespace canonpose {
@@ -29,71 +19,7 @@ namespace {
 using ::testing::AllOf;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
-using ::testing::Not;
 using testing::TemporaryFolder;
-
-TEST(Error, BadInputIsOneLineWithAllParts) {
-  EXPECT_EQ(FormatBadInput({"a.json", "people[0]", "75 values", "74", "export it again"}),
-            "a.json: people[0]: expected 75 values, found 74; export it again");
-  EXPECT_EQ(FormatBadInput({"a.json", "", "a folder", "nothing\nat all", ""}),
-            "a.json: expected a folder, found nothing at all");
-  EXPECT_EQ(FormatBadInput({"a.json", "", "", "", "check the path"}), "a.json; check the path");
-}
-
-TEST(Rng, SameSeedSameNumbersAndStreamsDiffer) {
-  Rng a(7, {1, 2});
-  Rng b(7, {1, 2});
-  Rng c(7, {2, 1});
-  EXPECT_EQ(a.Bits(), b.Bits());
-  EXPECT_NE(a.Bits(), c.Bits());
-}
-
-TEST(Rng, IsTheSameOnEveryMachine) {
-  // The first values of seed 1; a change here changes every published result.
-  Rng rng(1);
-  const double first = rng.Uniform();
-  const double second = rng.Uniform();
-  Rng again(1);
-  EXPECT_EQ(first, again.Uniform());
-  EXPECT_EQ(second, again.Uniform());
-  EXPECT_NE(first, second);
-}
-
-TEST(Rng, NormalHasUnitMomentsAndUniformStaysInRange) {
-  Rng rng(3);
-  double sum = 0.0;
-  double squares = 0.0;
-  constexpr int kCount = 100000;
-  for (int i = 0; i < kCount; ++i) {
-    const double x = rng.Normal();
-    sum += x;
-    squares += x * x;
-    const double u = rng.Uniform(2.0, 3.0);
-    ASSERT_GE(u, 2.0);
-    ASSERT_LT(u, 3.0);
-  }
-  EXPECT_NEAR(sum / kCount, 0.0, 0.02);
-  EXPECT_NEAR(squares / kCount, 1.0, 0.03);
-}
-
-TEST(Rng, PermutationHoldsEachIndexOnceAndEveryOrderOccurs) {
-  std::set<std::vector<std::size_t>> seen;
-  for (std::uint64_t seed = 0; seed < 200; ++seed) {
-    std::vector<std::size_t> order = Rng(seed).Permutation(3);
-    seen.insert(order);
-    std::sort(order.begin(), order.end());
-    EXPECT_EQ(order, (std::vector<std::size_t>{0, 1, 2}));
-  }
-  EXPECT_EQ(seen.size(), 6U);
-}
-
-TEST(Fingerprint, MatchesThePublishedVectors) {
-  Fingerprint empty;
-  EXPECT_EQ(empty.value(), 0xCBF29CE484222325ULL);
-  Fingerprint foobar;
-  foobar.Add("foobar", 6);
-  EXPECT_EQ(foobar.value(), 0x85944171F73967E8ULL);
-}
 
 TEST(AtomicFile, ReplacesWholeFiles) {
   const TemporaryFolder folder;
@@ -183,29 +109,32 @@ TEST(AtomicFile, TooLongNamesAreOneLine) {
               HasSubstr("File name too long"));
 }
 
+TEST(AtomicFolder, AppearsWithCommitAndReplacesNothing) {
+  namespace fs = std::filesystem;
+  const TemporaryFolder folder;
+  {
+    const AtomicFolder unfinished(folder / "new");
+    EXPECT_EQ(unfinished.temporary_path().parent_path(), folder.path());
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+  {
+    AtomicFolder made(folder / "new");
+    std::ofstream(made.temporary_path() / "a") << "a";
+    EXPECT_FALSE(fs::exists(folder / "new"));
+    made.Commit();
+  }
+  EXPECT_EQ(ReadFile(folder / "new/a"), "a");
+  MakeDirectory(folder / "ordinary");
+  EXPECT_EQ(fs::status(folder / "new").permissions(), fs::status(folder / "ordinary").permissions());
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { AtomicFolder(folder / "new"); }), HasSubstr("something"));
+  WriteFileAtomically(folder / "file", "");
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { AtomicFolder(folder / "file/below"); }), HasSubstr("file"));
+}
+
 TEST(MakeDirectory, RefusesAFileInTheWay) {
   const TemporaryFolder folder;
   WriteFileAtomically(folder / "a", "");
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { MakeDirectory(folder / "a"); }), HasSubstr("/a"));
-}
-
-TEST(FormatDuration, ChoosesTheUnit) {
-  EXPECT_EQ(FormatDuration(12.4), "12 s");
-  EXPECT_EQ(FormatDuration(185), "3 min 05 s");
-  EXPECT_EQ(FormatDuration(3720), "1 h 02 min");
-}
-
-TEST(NearestName, FindsSlipsAndBeginningsAndNothingElse) {
-  const std::vector<std::string> names = {"import", "train", "train-morph", "evaluate", "lift"};
-  EXPECT_EQ(NearestName("imprt", names), "import");
-  EXPECT_EQ(NearestName("Import", names), "import");
-  EXPECT_EQ(NearestName("trian", names), "train") << "swapped letters are one slip";
-  EXPECT_EQ(NearestName("trains", names), "train");
-  EXPECT_EQ(NearestName("train_morph", names), "train-morph");
-  EXPECT_EQ(NearestName("eval", names), "evaluate");
-  EXPECT_EQ(NearestName("tra", names), std::nullopt) << "the beginning of two";
-  EXPECT_EQ(NearestName("fly", names), std::nullopt);
-  EXPECT_EQ(NearestName("", names), std::nullopt);
 }
 
 }  // namespace

@@ -1,15 +1,15 @@
 // The measures of 3D human pose estimation, as pure functions of a predicted and a true pose.
 //
-//   N-MPJPE  mean distance of joints after both poses are centred on the root and the predicted one is scaled by the
-//   least-squares
-//            factor <P, G> / <P, P> (Rhodin et al. 2018)
+// clang-format off
+//   N-MPJPE  mean distance of joints after both poses are centred on the root and the predicted pose is scaled by the
+//            least-squares factor <P, G> / <P, P> (Rhodin et al. 2018)
 //   PMPJPE   mean distance after the best similarity without reflection, so that a mirrored pose scores badly
-//   PCK150   share of joints less than 150 mm off after the scale adjustment of N-MPJPE (a protocol may count some
-//            joints only)
+//   PCK150   percentage of joints less than 150 mm off after the scale adjustment of N-MPJPE (a protocol may count only
+//            some of the joints)
 //   AUC      mean of PCK over the thresholds 0, 5, ..., 150 mm, as in the evaluation script of MPI-INF-3DHP
-//   CPS      area under the share of poses whose largest joint error after similarity alignment is below a threshold of
-//   0 to
-//            300 mm (Wandt et al. 2021); exactly, the mean of max(0, 300 - largest error)
+//   CPS      area under the curve of the fraction of poses whose largest joint error after similarity alignment is
+//            below a threshold of 0 to 300 mm (Wandt et al. 2021); exactly, the mean of max(0, 300 - largest error)
+// clang-format on
 //
 // The first four are means over all joints of all poses, the root included; CPS is a mean over poses.
 #pragma once

@@ -1,25 +1,27 @@
 // The protocols of the field's benchmarks: which poses are compared, and how their errors become one figure. Everything
-// that tells protocols apart is a value here, so that a figure can always be printed with what it means.
+// that distinguishes one protocol from another is a value here, so that a figure can always be printed with what it
+// means.
 //
-// Where published sources differ, this is what was chosen and why:
+// Published sources differ. This is what was chosen, and why:
 //
+// clang-format off
 //   h36m     Subjects S9 and S11, and of each sequence the first frame and every 64th after it: CanonPose (Wandt et
-//   al.,
-//            CVPR 2021) evaluates every 64th frame, and code that takes these counts them so (Moon et al., ICCV 2019).
-//            Martinez et al. (ICCV 2017) and Pavllo et al. (CVPR 2019) take the mean of every action over both subjects
-//            and all cameras, where "Walking" and "Walking 1" are one action, and then the mean over actions: so do we.
-//            Others take the mean over poses, which JSON has as `by_pose`.
+//            al., CVPR 2021) evaluates every 64th frame, and code that uses this step counts from the first (Moon et
+//            al., ICCV 2019). Martinez et al. (ICCV 2017) and Pavllo et al. (CVPR 2019) first take the mean of every action
+//            over both subjects and all cameras, where "Walking" and "Walking 1" are one action, and then the mean over
+//            actions: so do we. Others take the mean over poses; the JSON report has it as `by_pose`.
 //   3dhp     The script of MPI-INF-3DHP (Mehta et al., 3DV 2017; mpii_test_predictions.m, mpii_evaluate_errors.m,
-//            mpii_compute_3d_pck.m): poses centred on the pelvis and compared with univ_annot3, the poses on a skeleton
-//            of one size; PCK at 150 mm and AUC over 0, 5, ..., 150 mm of 14 joints (its first list of joints had
-//            pelvis, spine and head centre too; in the one that is used they are commented out); MPJPE of all 17; in
-//            its row "All" every valid frame of all six sequences counts the same. It does not scale; methods without
-//            labels do not know scale, so that theirs are scaled first (Rhodin et al., CVPR 2018), and here everything
-//            is.
+//            mpii_compute_3d_pck.m): poses are centred on the pelvis and compared with univ_annot3, the poses on a
+//            skeleton of one size; PCK at 150 mm and AUC over 0, 5, ..., 150 mm of 14 joints (its first list of joints
+//            also had pelvis, spine and head centre; in the list that is used they are commented out); MPJPE of all 17;
+//            in its row "All" every valid frame of all six sequences has the same weight. The script does not scale.
+//            Methods without labels do not know scale, so theirs are scaled first (Rhodin et al., CVPR 2018); here
+//            every method is.
 //   skipose  All rows of the test part, a mean over poses; CanonPose reports N-MPJPE, PMPJPE, PCK at 150 mm and CPS.
+// clang-format on
 //
-// What part of a benchmark a dataset holds is known by its subjects in Human3.6M alone: of the other two, give the test
-// part. CanonPose's own evaluation was not published, so that it is known only by its text.
+// Only for Human3.6M do the subjects show which part of a benchmark a dataset holds; for the other two, pass the test
+// part. CanonPose's own evaluation code was not published, so only its paper describes it.
 #pragma once
 
 #include <string>

@@ -47,7 +47,7 @@ TEST(AtomicFile, MissingFolderIsOneLine) {
 TEST(AtomicFile, FullDiskKeepsTheOldFile) {
   const TemporaryFolder folder;
   WriteFileAtomically(folder / "a", "old");
-  // A file-size limit fails a write as a full disk does, without needing one.
+  // A limit on the size of files makes writing fail as a full disk does.
   ASSERT_NE(std::signal(SIGXFSZ, SIG_IGN), SIG_ERR);
   rlimit old_limit{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &old_limit), 0);
@@ -94,7 +94,7 @@ TEST(AtomicFile, PipesAndDevicesAreWrittenToAndNeverReplaced) {
   EXPECT_TRUE(fs::is_fifo(folder / "pipe"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { AtomicFile file(folder / "pipe"); }),
               HasSubstr("expected a regular file or a new one"));
-  // A link stands for the device, so that a fault here would not replace the machine's own.
+  // Through a link, so that a bug here could not replace the machine's own device.
   fs::create_symlink("/dev/null", folder / "null");
   WriteFileAtomically(folder / "null", "gone");
   EXPECT_TRUE(fs::is_symlink(folder / "null"));
@@ -126,7 +126,8 @@ TEST(AtomicFolder, AppearsWithCommitAndReplacesNothing) {
   EXPECT_EQ(ReadFile(folder / "new/a"), "a");
   MakeDirectory(folder / "ordinary");
   EXPECT_EQ(fs::status(folder / "new").permissions(), fs::status(folder / "ordinary").permissions());
-  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { AtomicFolder(folder / "new"); }), HasSubstr("something"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { AtomicFolder(folder / "new"); }),
+              HasSubstr("an existing file or folder"));
   WriteFileAtomically(folder / "file", "");
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { AtomicFolder(folder / "file/below"); }), HasSubstr("file"));
 }

@@ -110,7 +110,7 @@ TEST(Hdf5, WholeNumbersAreNotCutToFit) {
   EXPECT_EQ(read(), -7);
 }
 
-TEST(Hdf5, TextsAreWrittenWithAVariableLengthAndBothKindsAreRead) {
+TEST(Hdf5, StringsAreWrittenWithVariableLengthAndBothKindsAreRead) {
   const TemporaryFolder folder;
   const std::string very_long(100000, 'x');
   {
@@ -125,7 +125,7 @@ TEST(Hdf5, TextsAreWrittenWithAVariableLengthAndBothKindsAreRead) {
   for (const char* name : {"text", "empty", "texts", "long"}) {
     const hid_t attribute = H5Aopen(raw, name, H5P_DEFAULT);
     const hid_t type = H5Aget_type(attribute);
-    EXPECT_GT(H5Tis_variable_str(type), 0) << name << ": h5py hands out texts of fixed length as bytes";
+    EXPECT_GT(H5Tis_variable_str(type), 0) << name << ": h5py returns strings of fixed length as bytes";
     EXPECT_EQ(H5Tget_cset(type), H5T_CSET_UTF8) << name;
     H5Tclose(type);
     H5Aclose(attribute);

@@ -7,7 +7,7 @@
 
 namespace canonpose {
 
-/// The same but for case.
+/// Whether two names are equal, ignoring the case of ASCII letters.
 inline bool SameName(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });

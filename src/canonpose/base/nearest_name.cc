@@ -6,7 +6,7 @@
 namespace canonpose {
 namespace {
 
-/// A shorter beginning of a name may be anything.
+/// A shorter prefix may mean any name.
 constexpr std::size_t kMinBeginning = 3;
 constexpr std::size_t kLettersPerSlip = 3;
 
@@ -17,7 +17,7 @@ std::string LowerCase(std::string_view text) {
   return lower;
 }
 
-/// Letters missed, added, exchanged or swapped: the optimal string alignment distance.
+/// Letters missed, added, replaced or swapped: the optimal string alignment distance.
 std::size_t Slips(const std::string& a, const std::string& b) {
   std::vector<std::vector<std::size_t>> slips(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) {

@@ -61,7 +61,7 @@ TEST(TriangulationTest, APointBehindACameraIsReported) {
   const Camera b = CameraAround(0.0, 1000.0);
   Camera beside = b;
   beside.camera_from_world_translation_mm.x() = -500.0;
-  // Rays that part in front of the cameras meet behind them.
+  // Rays that diverge in front of the cameras meet behind them.
   const std::vector<PointObservation> observations = {{&a, {400.0, 480.0}, 1.0}, {&beside, {600.0, 480.0}, 1.0}};
   const TriangulatedPoint found = Triangulate(observations);
   ASSERT_TRUE(found.valid());
@@ -83,7 +83,7 @@ TEST(TriangulationTest, ConfidencePullsTowardsTheViewsThatAreMoreCertain) {
   EXPECT_LT(error_mm(0.09), 0.05 * error_mm(0.9));
 }
 
-/// Rays of cameras around the origin to a point, each off by `noise` (the same for all) times a normal number.
+/// Rays of cameras around the origin to a point, with normal noise of the given size in millimetres.
 std::vector<PointRay> RaysTo(const Eigen::Vector3d& point, int count, double noise, Rng& rng) {
   std::vector<PointRay> rays;
   for (int i = 0; i < count; ++i) {
@@ -126,7 +126,7 @@ TEST(TriangulateRobustly, InformationIsTheInverseOfTheScatterOfPoints) {
     covariance += (found.point - point) * (found.point - point).transpose() / kTrials;
     expected += found.information.inverse() / kTrials;
   }
-  // Reweighting takes some residuals for outliers, so that the information is a little too small.
+  // Reweighting treats some residuals as outliers, so the information is a little too small.
   EXPECT_LT(covariance.trace(), expected.trace());
   EXPECT_GT(covariance.trace(), 0.6 * expected.trace());
   EXPECT_LT((covariance / covariance.trace() - expected / expected.trace()).norm(), 0.05);
@@ -155,7 +155,7 @@ Camera CameraOf(const nlohmann::json& entry) {
 
 TEST(TriangulationTest, ReproducesTheReferenceOfTheRealRecording) {
   CANONPOSE_SKIP_WITHOUT_SHARED("data/balancing/reference3d.json");
-  // The reference's joints that are keypoints of BODY_25B themselves, with their places there.
+  // The joints of the reference that are keypoints of BODY_25B, with their indices there.
   const std::vector<std::pair<std::string, int>> body_25b = {{"lsho", 5},  {"rsho", 6},  {"lelb", 7},   {"relb", 8},
                                                              {"lhip", 11}, {"rhip", 12}, {"lknee", 13}, {"rknee", 14}};
   const nlohmann::json reference = ReadJson("reference3d.json");

@@ -1,4 +1,4 @@
-// The dataset file: groups, attributes and arrays as README.md lays them out.
+// The dataset file: groups, attributes and arrays as README.md describes them.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,7 +20,7 @@ constexpr const char* kFormat = "canonpose-dataset";
 constexpr std::int64_t kVersion = 1;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-/// Where in which file the values that are being checked stand, for messages.
+/// The file and the place in it of the values being checked, for messages.
 struct Place {
   std::string file;
   std::string group;
@@ -33,7 +33,7 @@ struct Place {
   }
 };
 
-/// Checks keypoints and confidences; a joint that one of them calls missing becomes missing in both.
+/// Checks keypoints and confidences; a joint that is missing in one becomes missing in both.
 void CheckKeypoints(CameraView& view, const Place& place) {
   const std::size_t joints = place.skeleton->joints.size();
   for (std::size_t i = 0; i < view.confidence.size(); ++i) {
@@ -84,7 +84,7 @@ std::vector<float> ReadArray(const h5::Group& group, const std::string& name, co
   return group.Read<float>(name).values;
 }
 
-/// One matrix or T of them, each of `size` values; `tail` is the shape of one.
+/// One matrix or T of them, each of `size` values; `tail` is the shape of a single one.
 std::vector<double> ReadCalibrationArray(const h5::Group& group, const std::string& name,
                                          const std::vector<std::size_t>& tail, int frame_count, std::size_t* rows) {
   h5::Array<double> array = group.Read<double>(name);
@@ -117,7 +117,7 @@ void CheckCamera(const h5::Group& group, const Camera& camera, const std::string
   }
 }
 
-/// `prefix` tells the cameras that were solved, "solved_", from those that were calibrated, "".
+/// `prefix` is "solved_" for solved cameras and "" for calibrated ones.
 std::vector<Camera> ReadCalibration(const h5::Group& group, int frame_count, const std::string& prefix) {
   const std::string K_name = prefix + "K";
   const std::string R_name = prefix + "R";
@@ -128,7 +128,7 @@ std::vector<Camera> ReadCalibration(const h5::Group& group, int frame_count, con
   for (const std::string& name : {K_name, R_name, t_name}) {
     if (group.Has(name)) continue;
     group.Fail(name, fmt::format("{}, {} and {} together", K_name, R_name, t_name), "nothing",
-               "write all of the calibration or none");
+               "write the whole calibration or none of it");
   }
   std::size_t k_rows = 1;
   std::size_t r_rows = 1;
@@ -157,7 +157,7 @@ std::vector<Camera> ReadCalibration(const h5::Group& group, int frame_count, con
   return cameras;
 }
 
-/// frame_count is that of the cameras before, -1 for the first.
+/// frame_count is that of the previous cameras, -1 for the first.
 CameraView ReadCamera(const h5::Group& group, const std::string& name, const Skeleton& skeleton, int* frame_count) {
   CameraView view;
   view.name = name;
@@ -177,9 +177,9 @@ CameraView ReadCamera(const h5::Group& group, const std::string& name, const Ske
   }
   const auto frames = static_cast<int>(shape[0]);
   if (*frame_count >= 0 && frames != *frame_count) {
-    group.Fail("keypoints", fmt::format("{} frames as in the cameras before it", *frame_count),
+    group.Fail("keypoints", fmt::format("{} frames as in the previous cameras", *frame_count),
                fmt::format("{}", frames),
-               "cameras of a sequence are synchronised: cut them to the same frames, NaN where one saw nothing");
+               "cameras of a sequence are synchronised: give all the same frames, with NaN where a camera saw nothing");
   }
   *frame_count = frames;
   view.keypoints = ReadArray(group, "keypoints", shape, "");
@@ -213,7 +213,7 @@ void ReadActions(const h5::Group& group, Sequence& sequence) {
   }
   for (const std::int64_t action : group.Read<std::int64_t>("action").values) {
     if (action < 0 || action >= std::ssize(sequence.actions)) {
-      group.Fail("action", fmt::format("places in the attribute actions, which has {}", sequence.actions.size()),
+      group.Fail("action", fmt::format("indices into the attribute actions, which has {}", sequence.actions.size()),
                  fmt::format("{}", action), "");
     }
     sequence.action.push_back(static_cast<std::uint8_t>(action));
@@ -226,11 +226,11 @@ Sequence ReadSequence(const h5::Group& group, const std::string& name, const Ske
   sequence.subject = group.GetString("subject");
   if (group.HasAttribute("fps")) sequence.fps = group.GetDouble("fps");
   if (!std::isfinite(sequence.fps) || sequence.fps < 0.0) {
-    group.Fail("attribute fps", "frames a second, 0 where unknown", fmt::format("{}", sequence.fps), "");
+    group.Fail("attribute fps", "frames per second, 0 where unknown", fmt::format("{}", sequence.fps), "");
   }
   const std::int64_t is_static = group.GetInt("static_cameras");
   if (is_static != 0 && is_static != 1) {
-    group.Fail("attribute static_cameras", "1 where the cameras stand still, otherwise 0", fmt::format("{}", is_static),
+    group.Fail("attribute static_cameras", "1 where the cameras are static, otherwise 0", fmt::format("{}", is_static),
                "");
   }
   sequence.static_cameras = is_static == 1;
@@ -260,8 +260,9 @@ void CheckFormat(const h5::Group& root) {
   const std::int64_t version = root.GetInt("version");
   if (version != kVersion) {
     root.Fail("attribute version", fmt::format("{}", kVersion), fmt::format("{}", version),
-              version > kVersion ? "the file is of a newer canonpose: update this one, or make the file again with it"
-                                 : "make the file again");
+              version > kVersion
+                  ? "the file is from a newer version of canonpose: update this one, or create the file again with it"
+                  : "create the file again");
   }
 }
 
@@ -276,7 +277,7 @@ DatasetSource ReadSource(const h5::Group& root, const h5::Group& skeleton_group,
   if (skeleton_group.HasAttribute("mapping")) {
     source.mapping = skeleton_group.GetStrings("mapping");
     if (source.mapping.size() != skeleton.joints.size()) {
-      skeleton_group.Fail("attribute mapping", fmt::format("{} texts, one a joint", skeleton.joints.size()),
+      skeleton_group.Fail("attribute mapping", fmt::format("{} strings, one per joint", skeleton.joints.size()),
                           fmt::format("{}", source.mapping.size()), "");
     }
   }
@@ -291,7 +292,7 @@ void Write(h5::Group& group, const std::string& name, const std::vector<T>& valu
   group.Write<T>(name, std::span<const T>(values), shape);
 }
 
-/// The shape of one value a frame, or of a single one where all frames share it.
+/// The shape of one value per frame, or of a single one where all frames share it.
 std::vector<std::size_t> WithRows(std::size_t rows, std::vector<std::size_t> tail) {
   if (rows > 1) tail.insert(tail.begin(), rows);
   return tail;
@@ -305,7 +306,7 @@ void WriteCalibration(h5::Group& group, const std::vector<Camera>& cameras, cons
   std::vector<double> distortion;
   bool same_K = true;
   bool same_distortion = true;
-  // Four, as readers of the first files know them, unless there is a fifth.
+  // Four, which every reader knows, unless there is a fifth.
   const bool has_k3 =
       std::any_of(cameras.begin(), cameras.end(), [](const Camera& c) { return c.distortion[4] != 0.0; });
   const std::size_t coefficients = has_k3 ? 5 : 4;
@@ -332,7 +333,7 @@ void WriteCalibration(h5::Group& group, const std::vector<Camera>& cameras, cons
   Write(group, prefix + "distortion", distortion, WithRows(distortion_rows, {coefficients}));
 }
 
-/// Names become groups of the file, so some cannot be used.
+/// Names become names of groups in the file, so some cannot be used.
 void CheckName(const std::filesystem::path& path, const std::string& name, const std::string& what) {
   if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos) {
     ThrowBadInput(
@@ -365,7 +366,7 @@ bool IsDatasetFile(const std::filesystem::path& path) {
   try {
     return file.root().GetString("format") == kFormat;
   } catch (const Error&) {
-    return false;  // an attribute of that name which is no text belongs to someone else's format
+    return false;  // an attribute of that name which is not text belongs to another format
   }
 }
 
@@ -396,7 +397,7 @@ DatasetWriter::DatasetWriter(const std::filesystem::path& path, const Skeleton& 
 DatasetWriter::~DatasetWriter() = default;
 
 void DatasetWriter::Add(const Sequence& sequence) {
-  CANONPOSE_CHECK(state_ != nullptr, "the file is committed already");
+  CANONPOSE_CHECK(state_ != nullptr, "the file has already been committed");
   CheckName(state_->path, sequence.name, "sequence");
   if (state_->sequences.Has(sequence.name)) {
     ThrowBadInput({state_->path.string(), "", "sequences of different names",
@@ -406,7 +407,7 @@ void DatasetWriter::Add(const Sequence& sequence) {
   group.SetString("subject", sequence.subject);
   group.SetDouble("fps", sequence.fps);
   group.SetInt("static_cameras", sequence.static_cameras ? 1 : 0);
-  // A default written out would read as a name that other files can share.
+  // A default that was written would be read as a name, which other files may share.
   if (sequence.capture_is_named && !sequence.capture.empty()) group.SetString("capture", sequence.capture);
   if (!sequence.actions.empty()) group.SetStrings("actions", sequence.actions);
   if (!sequence.truth_kind.empty()) group.SetString("truth_kind", sequence.truth_kind);
@@ -450,8 +451,8 @@ void DatasetWriter::Add(const Sequence& sequence) {
 }
 
 void DatasetWriter::Commit() {
-  CANONPOSE_CHECK(state_ != nullptr, "the file is committed already");
-  // The file closes only when no group of it is open any more.
+  CANONPOSE_CHECK(state_ != nullptr, "the file has already been committed");
+  // The file is closed only once none of its groups is open.
   state_->sequences = h5::Group();
   state_->file.Commit();
   state_.reset();

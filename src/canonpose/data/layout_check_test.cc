@@ -267,7 +267,7 @@ TEST(CheckLayout, CountsAndNamesMustFit) {
   odd[0].keypoints.resize(odd[0].keypoints.size() / 2);
   odd[0].confidence.resize(odd[0].confidence.size() / 2);
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { CheckLayout(odd, ""); }),
-              HasSubstr("as many keypoints as a known layout has"));
+              HasSubstr("as many keypoints as a known layout"));
 }
 
 TEST(CheckLayout, TheBalancingRecordingIsBody25b) {

@@ -45,7 +45,7 @@ struct Scene {
   std::vector<std::vector<int>> who;
 };
 
-/// place(frame, person) is the x of a person, NaN where not seen.
+/// place(frame, person) is a person's x, NaN where not seen.
 template <typename Place>
 Scene MakeScene(int frames, const std::vector<double>& heights, const std::vector<double>& confidences, Place&& place) {
   Scene scene;
@@ -184,7 +184,7 @@ TEST(TrackPeople, TwoWhoComeBackEachContinueAsThemselves) {
 }
 
 TEST(TrackPeople, AnUncertainReturnIsNotJoinedButAWarning) {
-  // Somebody much alike is about while the one who is followed goes, and whoever comes does so elsewhere.
+  // A similar person is present while the one followed leaves, and the next one to appear does so elsewhere.
   const Scene scene = MakeScene(300, {600, 400}, {0.8, 0.7}, [](int t, int p) {
     if (p == 1) return t >= 100 && t < 240 ? 2500.0 : std::nan("");
     return t >= 140 && t < 220 ? std::nan("") : 300.0 + (t < 140 ? 0.0 : 1200.0);

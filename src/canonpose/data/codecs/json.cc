@@ -19,14 +19,14 @@ using Json = nlohmann::json;
 
 constexpr const char* kNotFiniteAdvice =
     "the file says that the detector failed there; write missing joints as 0 with confidence 0";
-/// No pixel coordinate and no length in mm comes near this.
+/// No pixel coordinate and no length in mm is anywhere near this large.
 constexpr double kLargestNumber = 1e9;
 
 bool IsWordCharacter(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '+' || c == '-' || c == '.';
 }
 
-/// The number or word around a position.
+/// The number or word at a position.
 std::string WordAt(std::string_view text, std::size_t position) {
   std::size_t begin = std::min(position, text.size());
   while (begin > 0 && IsWordCharacter(text[begin - 1])) --begin;
@@ -41,14 +41,14 @@ bool IsNotFinite(std::string word) {
   return word.starts_with("nan") || word == "inf" || word == "infinity";
 }
 
-/// One step of the way to a place in a text: the index in an array, or the key in an object.
+/// One step of the path to a place in a text: the index in an array, or the key in an object.
 struct Step {
   bool is_array = false;
   std::size_t index = 0;
   std::string key;
 };
 
-/// "people[0].pose_keypoints_2d[5]": where a position of a text lies, as far as the text before it tells.
+/// "people[0].pose_keypoints_2d[5]": the path to a position in a text, as far as it follows from the text before it.
 std::string PathTo(std::string_view text) {
   std::vector<Step> steps;
   std::string last_string;
@@ -95,7 +95,7 @@ bool IsBlank(std::string_view text) {
 
 [[noreturn]] void ThrowSyntaxError(const std::string& file, std::string_view text, std::size_t bytes_read) {
   if (IsBlank(text)) ThrowBadInput({file, "", "JSON", "an empty file", "export it again"});
-  // The parser counts the end of the text as one more byte.
+  // The parser counts the end of the text as another byte.
   if (bytes_read > text.size()) {
     ThrowBadInput({file, PlaceAt(text, text.size()), "the rest of the JSON", "the end of the file",
                    "the file was cut off; export or copy it again"});
@@ -106,12 +106,12 @@ bool IsBlank(std::string_view text) {
   const std::string found = word.empty() ? fmt::format("'{}'", text[position]) : fmt::format("'{}'", word);
   const bool is_printable =
       std::all_of(found.begin(), found.end(), [](unsigned char c) { return c >= 0x20 && c < 0x7F; });
-  ThrowBadInput({file, PlaceAt(text, position), "JSON", is_printable ? found : "bytes that are no text",
-                 "the file is damaged or of another kind"});
+  ThrowBadInput({file, PlaceAt(text, position), "JSON", is_printable ? found : "bytes that are not text",
+                 "the file is damaged or in another format"});
 }
 
 [[noreturn]] void ThrowOverflow(const std::string& file, std::string_view text, const std::string& message) {
-  // "... number overflow parsing '1e999'": the only place where the parser says what it read.
+  // "... number overflow parsing '1e999'": only here does the parser say what it read.
   const std::size_t end = message.rfind('\'');
   const std::size_t begin = end == std::string::npos || end == 0 ? std::string::npos : message.rfind('\'', end - 1);
   const std::string number = begin == std::string::npos ? "" : message.substr(begin + 1, end - begin - 1);
@@ -205,7 +205,7 @@ std::vector<double> JsonValue::Numbers() const {
   std::vector<double> numbers(count);
   for (std::size_t i = 0; i < count; ++i) {
     const Json& element = (*value_)[i];
-    // The quick way for what is right; At() makes the place for the message.
+    // Fast for valid values; At() is only called to get the place for a message.
     const double number = element.is_number() ? element.get<double>() : kLargestNumber * 2.0;
     numbers[i] = std::abs(number) <= kLargestNumber ? number : At(i).Number();
   }
@@ -241,7 +241,7 @@ char FirstCharacter(const std::filesystem::path& path) {
   if (!stream) ReadFile(path);  // throws with the system's reason
   char c = 0;
   while (stream.get(c)) {
-    // A byte-order mark may come first.
+    // There may be a byte-order mark.
     if (std::isspace(static_cast<unsigned char>(c)) == 0 && static_cast<unsigned char>(c) < 0x80) return c;
   }
   return 0;

@@ -76,7 +76,7 @@ TEST(Json, NumbersMustBeNumbersThatFit) {
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)huge.At(0).Integer(); }), HasSubstr("a smaller whole number"));
 }
 
-TEST(Json, OtherFilesAreNoJson) {
+TEST(Json, OtherFilesAreRefused) {
   EXPECT_THAT(LoadError("hello, world"),
               AllOf(HasSubstr("line 1, column 1"), HasSubstr("expected JSON, found 'hello'")));
   EXPECT_THAT(LoadError("\x89HDF\r\n"), HasSubstr("expected JSON"));
@@ -85,7 +85,7 @@ TEST(Json, OtherFilesAreNoJson) {
               AllOf(HasSubstr("/nonexistent/a.json"), HasSubstr("No such file")));
 }
 
-TEST(Json, AByteOrderMarkIsNoMatter) { EXPECT_EQ(Load("\xEF\xBB\xBF[1]").Numbers().size(), 1U); }
+TEST(Json, AByteOrderMarkIsSkipped) { EXPECT_EQ(Load("\xEF\xBB\xBF[1]").Numbers().size(), 1U); }
 
 }  // namespace
 }  // namespace canonpose

@@ -31,8 +31,8 @@ std::string ReadHeader(const fs::path& path) {
   return header;
 }
 
-/// Whether an array claims more elements than its bytes can be, for which the library would search in vain for long.
-/// `file` is after the array's tag: 16 bytes of flags, then the tag of the dimensions and the dimensions.
+/// Whether an array claims more elements than fit its bytes; the library would spend a long time on them. `file` is
+/// positioned after the array's tag, at 16 bytes of flags, then the tag of the dimensions and the dimensions.
 bool IsTooLarge(std::ifstream& file, std::uint32_t bytes) {
   std::array<std::uint32_t, 8> start{};
   if (!file.read(reinterpret_cast<char*>(start.data()), sizeof(start))) return true;
@@ -42,8 +42,8 @@ bool IsTooLarge(std::ifstream& file, std::uint32_t bytes) {
   return elements > bytes;
 }
 
-/// Whether the file ends where its last element ends: elements say how long they are, and a cut elsewhere would go
-/// unnoticed in what is not read. Each has a type and its bytes, 4 bytes each.
+/// Whether the file ends where its last element ends; otherwise, a truncation would go unnoticed in variables that are
+/// not read. Each element starts with its type and its length, 4 bytes each.
 bool IsSound(const fs::path& path) {
   constexpr std::uint32_t kMatrix = 14;
   std::error_code error;
@@ -72,7 +72,7 @@ struct Type {
   std::size_t bytes = 0;
 };
 
-/// How elements of a class lie in memory once the library has read them.
+/// How elements of a class are stored in memory once the library has read them.
 Type TypeOf(matio_classes class_type) {
   switch (class_type) {
     case MAT_C_DOUBLE:
@@ -117,7 +117,7 @@ std::optional<Matrix> ToMatrix(const matvar_t* variable) {
   return matrix;
 }
 
-/// The size of an array before its values are read, as large as can be where it makes no sense.
+/// The size that an array claims, before its values are read; the largest possible number where it makes no sense.
 std::uint64_t ClaimedValues(const matvar_t* variable) {
   constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
   if (variable == nullptr || variable->rank != 2 || variable->dims == nullptr) return kNone;
@@ -174,7 +174,7 @@ void MatFile::Fail(const std::string& place, const std::string& expected, const 
 
 std::vector<Matrix> MatFile::ReadCells(const std::string& name, std::size_t count) const {
   Mat_Rewind(state_->file);
-  // First what the variable claims to be: reading takes all the memory that a damaged size asks for.
+  // First check what the variable claims to be, since reading allocates whatever a damaged size asks for.
   const Variable variable(Mat_VarReadInfo(state_->file, name.c_str()));
   if (variable == nullptr) Fail(name, "a variable of that name", "none that can be read", state_->advice);
   std::size_t cells = variable->class_type == MAT_C_CELL && variable->data != nullptr ? 1 : 0;

@@ -28,7 +28,7 @@ struct Header {
   std::size_t data_offset = 0;
 };
 
-/// Where messages point.
+/// The file and the array, for messages.
 struct Place {
   const std::string& file;
   const std::string& name;
@@ -38,7 +38,7 @@ struct Place {
   [[noreturn]] void FailHeader() const { Fail("a NumPy array", "a damaged header", "save the file again"); }
 };
 
-/// The text after `'key':` in the header's Python dictionary, blanks skipped.
+/// The text after `'key':` in the header's Python dictionary, without leading blanks.
 std::string_view After(std::string_view header, const std::string& key, const Place& place) {
   const std::size_t at = header.find("'" + key + "'");
   if (at == std::string_view::npos) place.FailHeader();
@@ -89,7 +89,7 @@ Header ParseHeader(const std::string& bytes, const Place& place) {
   return header;
 }
 
-/// The number of values, after checking that `available` bytes are exactly that many.
+/// The number of values, after checking that they take exactly `available` bytes.
 std::size_t CheckedCount(const Header& header, std::size_t item_bytes, std::size_t available, const Place& place) {
   std::size_t count = 1;
   bool fits = true;
@@ -98,13 +98,13 @@ std::size_t CheckedCount(const Header& header, std::size_t item_bytes, std::size
     count *= size;
   }
   if (!fits || count * item_bytes != available) {
-    place.Fail(fmt::format("{} bytes a value for shape ({})", item_bytes, fmt::join(header.shape, ", ")),
+    place.Fail(fmt::format("{} bytes per value for shape ({})", item_bytes, fmt::join(header.shape, ", ")),
                fmt::format("{} bytes", available), "the array is cut short or damaged; save it again");
   }
   return count;
 }
 
-/// Values stored column by column, row by row.
+/// Reorders values that are stored column by column.
 template <typename T>
 std::vector<T> ToRowMajor(const std::vector<T>& values, const std::vector<std::size_t>& shape) {
   std::vector<T> result(values.size());
@@ -144,7 +144,7 @@ std::vector<T> CopyValues(const std::string& bytes, const Header& header, const 
   return header.fortran_order ? ToRowMajor(values, header.shape) : values;
 }
 
-/// Texts of width 0 take no bytes, so only the shape tells how many there are.
+/// Texts of width 0 take no bytes, so only the shape says how many there are.
 std::vector<std::string> EmptyTexts(const Header& header, std::size_t available, const Place& place) {
   constexpr std::size_t kMaxCount = 1 << 24;
   std::size_t count = 1;

@@ -84,7 +84,7 @@ std::string NpzReader::ReadBytes(const std::string& name) const {
   std::string bytes;
   zip_int64_t got = -1;
   if (entry != nullptr) {
-    // Read bit by bit, so that a damaged size cannot ask for all memory at once.
+    // Read in small pieces, so that a damaged size cannot request all memory at once.
     std::vector<char> buffer(1 << 20);
     while ((got = zip_fread(entry, buffer.data(), buffer.size())) > 0)
       bytes.append(buffer.data(), static_cast<std::size_t>(got));
@@ -92,7 +92,7 @@ std::string NpzReader::ReadBytes(const std::string& name) const {
   }
   if (got < 0) {
     ThrowBadInput({state_->file, "array " + name, "readable data", "damaged data",
-                   "restore the file from a copy or make it again"});
+                   "restore the file from a copy or create it again"});
   }
   return bytes;
 }
@@ -153,7 +153,7 @@ struct NpzWriter::State {
     }
     const auto entry = static_cast<zip_uint64_t>(index);
     zip_set_file_compression(archive, entry, compress ? ZIP_CM_DEFLATE : ZIP_CM_STORE, 0);
-    // The first day that zip knows, as NumPy writes it: the same arrays give the same bits.
+    // The earliest date of zip files, which NumPy writes too, so that the same arrays give the same bits.
     constexpr zip_uint16_t kFirstOfJanuary1980 = 1 << 5 | 1;
     zip_file_set_dostime(archive, entry, 0, kFirstOfJanuary1980, 0);
   }
@@ -199,7 +199,7 @@ void NpzWriter::AddString(const std::string& name, const std::string& text) {
 }
 
 void NpzWriter::Commit() {
-  CANONPOSE_CHECK(state_ != nullptr && state_->archive != nullptr, "the file is committed already");
+  CANONPOSE_CHECK(state_ != nullptr && state_->archive != nullptr, "the file has already been committed");
   CANONPOSE_CHECK(!state_->buffers.empty(), "an archive without arrays");
   if (zip_close(state_->archive) != 0) state_->ThrowWriteFailed();
   state_->archive = nullptr;

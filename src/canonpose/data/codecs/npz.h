@@ -1,4 +1,4 @@
-// NumPy's .npz archives: read and written without Python.
+// Reads and writes NumPy's .npz archives without Python.
 #pragma once
 
 #include <cstdint>
@@ -21,9 +21,8 @@ struct NpyArray {
   [[nodiscard]] bool is_text() const { return std::holds_alternative<std::vector<std::string>>(values); }
 };
 
-/// Reads arrays one by one; others, of whatever type, are left alone. Every function throws Error(kBadInput) that names
-/// file and array. Loading a pickled array in Python can execute code;
-/// here it cannot.
+/// Reads arrays one by one; other arrays in the file may be of any type. Every function throws Error(kBadInput) that
+/// names the file and the array. Loading a pickled array in Python can execute code; here it cannot.
 class NpzReader {
  public:
   explicit NpzReader(const std::filesystem::path& path);
@@ -34,13 +33,14 @@ class NpzReader {
   /// Names of the arrays, without ".npy", in the order of the file.
   [[nodiscard]] const std::vector<std::string>& names() const;
   [[nodiscard]] bool Has(const std::string& name) const;
-  /// float32, float64, int32, int64, '<U' or '|S' text; little-endian; Fortran order is turned into C order.
+  /// An array of float32, float64, int32, int64, '<U' or '|S' text, all little-endian. Fortran order is converted to C
+  /// order.
   [[nodiscard]] NpyArray Read(const std::string& name) const;
-  /// Any of the numbers, as float; `shape` is filled in.
+  /// An array of any of these numbers, as float, and its shape.
   [[nodiscard]] std::vector<float> ReadFloats(const std::string& name, std::vector<std::size_t>* shape) const;
-  /// The pickle of an array of Python objects, for pickle::Decode(); Read() refuses those.
+  /// The pickle of an array of Python objects, for pickle::Decode(). Read() refuses such arrays.
   [[nodiscard]] std::string ReadPickle(const std::string& name) const;
-  /// Text of any shape, flat.
+  /// An array of text of any shape, as one list.
   [[nodiscard]] std::vector<std::string> ReadStrings(const std::string& name) const;
 
  private:
@@ -50,7 +50,7 @@ class NpzReader {
   std::unique_ptr<State> state_;
 };
 
-/// Writes an archive that numpy.load() reads; the same arrays give the same bits. The file appears with Commit().
+/// Writes an archive for numpy.load(). The same arrays give the same bits. The file appears with Commit().
 class NpzWriter {
  public:
   /// Throws Error(kBadInput) where `path` cannot be written.

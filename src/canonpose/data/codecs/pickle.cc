@@ -1,4 +1,4 @@
-// The stack machine: every instruction of protocols 0 to 5, those that only make values.
+// The stack machine, with those instructions of protocols 0 to 5 that only create values.
 #include "canonpose/data/codecs/pickle.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace canonpose::pickle {
 namespace {
 
 constexpr int kHighestProtocol = 5;
-/// Longer whole numbers do not fit 64 bits.
+/// Longer whole numbers do not fit into 64 bits.
 constexpr std::size_t kLongestInteger = 8;
 
 std::string DecodeEscapes(std::string_view text, bool raw_unicode, const Where& where) {
@@ -34,7 +34,7 @@ std::string DecodeEscapes(std::string_view text, bool raw_unicode, const Where& 
       const char* const begin = text.data() + i + 2;
       const bool is_complete = i + 2 + digits <= text.size();
       if (!is_complete || std::from_chars(begin, begin + digits, code, 16).ptr != begin + digits || code > 0x10FFFF) {
-        where.FailDamaged("a text with a damaged escape");
+        where.FailDamaged("text with a damaged escape sequence");
       }
       if (raw_unicode) AppendUtf8(code, plain);
       if (!raw_unicode) plain += static_cast<char>(code);
@@ -76,7 +76,7 @@ class Machine {
   std::string_view Take(std::uint64_t count) {
     if (count > bytes_.size() - at_) {
       FailDamaged(count == 1 ? "its end before the end of the pickle"
-                             : fmt::format("{} bytes where {} are left", count, bytes_.size() - at_));
+                             : fmt::format("{} bytes where {} remain", count, bytes_.size() - at_));
     }
     const std::string_view taken = bytes_.substr(at_, count);
     at_ += count;
@@ -85,7 +85,7 @@ class Machine {
 
   std::string_view TakeLine() {
     const std::size_t end = bytes_.find('\n', at_);
-    if (end == std::string_view::npos) FailDamaged("a line without end");
+    if (end == std::string_view::npos) FailDamaged("a line without an end");
     const std::string_view line = bytes_.substr(at_, end - at_);
     at_ = end + 1;
     return line;
@@ -105,7 +105,7 @@ class Machine {
     std::int64_t value = 0;
     const char* const end = line.data() + line.size();
     if (line.empty() || std::from_chars(line.data(), end, value).ptr != end) {
-      FailDamaged(fmt::format("\"{}\" where a whole number of 64 bits must be", line.substr(0, 40)));
+      FailDamaged(fmt::format("\"{}\" instead of a 64-bit whole number", line.substr(0, 40)));
     }
     return value;
   }
@@ -143,7 +143,7 @@ class Machine {
     return node;
   }
 
-  /// A whole number of any length as its bytes, least first, negative where the last bit is set.
+  /// A whole number from its bytes, least significant first, in two's complement.
   void PushLong(std::uint64_t width) {
     if (width > kLongestInteger) {
       Take(width);
@@ -228,7 +228,7 @@ class Machine {
       case 'S':
         PushQuoted(TakeLine());
         return true;
-      case 'T':  // texts of Python 2, whose bytes are what counts
+      case 'T':  // strings of Python 2, which are bytes
         PushText(Kind::kText, Take(Natural(4)));
         return true;
       case 'U':
@@ -241,7 +241,7 @@ class Machine {
         PushText(Kind::kBytes, Take(Natural(1)));
         return true;
       case 0x8e:
-      case 0x96:  // a bytearray; nothing here changes it
+      case 0x96:  // a bytearray, which is treated as bytes
         PushText(Kind::kBytes, Take(Natural(8)));
         return true;
       default:
@@ -252,7 +252,7 @@ class Machine {
   void PushQuoted(std::string_view line) {
     const bool is_quoted =
         line.size() >= 2 && (line.front() == '\'' || line.front() == '"') && line.back() == line.front();
-    if (!is_quoted) FailDamaged("a text without quotes");
+    if (!is_quoted) FailDamaged("text without quotes");
     PushText(Kind::kText, DecodeEscapes(line.substr(1, line.size() - 2), false, Here()));
   }
 
@@ -334,7 +334,7 @@ class Machine {
 
   void Get(std::uint64_t key) {
     const auto kept = memo_.find(key);
-    if (kept == memo_.end()) FailDamaged(fmt::format("value {} before it is there", key));
+    if (kept == memo_.end()) FailDamaged(fmt::format("value {} before it is stored", key));
     Push(kept->second);
   }
 
@@ -394,7 +394,7 @@ class Machine {
       case 0x93: {
         const Node* const name = Pop();
         const Node* const module = Pop();
-        if (name->kind != Kind::kText || module->kind != Kind::kText) FailDamaged("a name that is no text");
+        if (name->kind != Kind::kText || module->kind != Kind::kText) FailDamaged("a name that is not text");
         PushName(module->text, name->text);
         return true;
       }
@@ -406,7 +406,7 @@ class Machine {
         const Node* const arguments = Pop();
         const Node* const function = Pop();
         if (function->stage != Node::Stage::kGlobal || arguments->kind != Kind::kTuple) {
-          FailDamaged("a call of what is no function");
+          FailDamaged("a call of something that is not a function");
         }
         Push(Call(storage_, *function, *arguments, Here()));
         return true;
@@ -425,7 +425,7 @@ class Machine {
     if (operation == 0x95) {
       const std::uint64_t length = Natural(8);
       if (length > bytes_.size() - at_) {
-        FailDamaged(fmt::format("a frame of {} bytes where {} are left", length, bytes_.size() - at_));
+        FailDamaged(fmt::format("a frame of {} bytes where {} remain", length, bytes_.size() - at_));
       }
       return true;
     }

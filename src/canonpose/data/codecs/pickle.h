@@ -1,8 +1,8 @@
-// Python's pickles, read without executing anything: numbers, texts, lists, tuples, dictionaries and NumPy arrays.
+// Reads Python's pickles without executing anything: numbers, texts, lists, tuples, dictionaries and NumPy arrays.
 //
-// A pickle is a program for a small stack machine, and some of its instructions call whatever function the file names.
-// Here they only make the values above; every other name is refused, and so is everything damaged. Protocols 0 to 5, as
-// https://docs.python.org/3/library/pickletools.html describes them.
+// A pickle is a program for a small stack machine, and some of its instructions call any function that the file names.
+// Here they only create the values above; every other name is refused, and so is damaged data. Protocols 0 to 5 are
+// supported, as described at https://docs.python.org/3/library/pickletools.html.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +25,8 @@ struct Numbers {
 struct Node;
 struct Storage;
 
-/// A value of a pickle with its place, `["S1"]["Walking"][0]`. Cheap to copy; keeps the whole pickle alive. What cannot
-/// be had throws Error(kBadInput) that names file, place, what was expected and what was found.
+/// A value of a pickle with its place, `["S1"]["Walking"][0]`. Cheap to copy; keeps the whole pickle alive. Accessors
+/// throw Error(kBadInput) that names file, place, what was expected and what was found.
 class Value {
  public:
   Value(std::shared_ptr<const Storage> storage, const Node* node, std::string place);
@@ -39,17 +39,18 @@ class Value {
   [[noreturn]] void Fail(const std::string& expected, const std::string& advice = "",
                          const std::string& found = "") const;
 
-  /// The member of a dictionary by a text, or by a whole number written out.
+  /// The member of a dictionary by its key, a text or a whole number written as text.
   [[nodiscard]] Value operator[](const std::string& key) const;
   [[nodiscard]] std::optional<Value> Find(const std::string& key) const;
-  /// Keys of a dictionary, in the file's order; whole numbers are written out.
+  /// Keys of a dictionary, in the file's order; whole numbers are written as text.
   [[nodiscard]] std::vector<std::string> Keys() const;
 
-  /// How many elements a list, a tuple or an array's first dimension has.
+  /// The number of elements of a list, a tuple or an array's first dimension.
   [[nodiscard]] std::size_t size() const;
   /// An element of a list, a tuple or a one-dimensional array of objects.
   [[nodiscard]] Value At(std::size_t index) const;
-  /// What an array of objects without dimensions holds, as numpy.save() wraps what is no array; otherwise this value.
+  /// The content of an array of objects without dimensions, in which numpy.save() wraps anything that is not an array;
+  /// otherwise this value.
   [[nodiscard]] Value Unwrapped() const;
 
   [[nodiscard]] std::string Text() const;
@@ -70,8 +71,9 @@ class Value {
 };
 
 /// The value of a pickle in memory; `file` and `place` ("array positions_3d") are for messages. Throws Error(kBadInput)
-/// for what is damaged, refers to itself, is nested beyond reason, or names anything but what NumPy's arrays need: then
-/// "os.system" stands in the message. Uses memory in proportion to `bytes`, whatever lengths it claims.
+/// for a pickle that is damaged, refers to itself, is nested too deeply, or names anything other than what NumPy's
+/// arrays need; the message then contains that name, such as "os.system". Memory use is proportional to the size of
+/// `bytes`, whatever lengths it claims.
 Value Decode(std::string bytes, const std::string& file, const std::string& place = "");
 
 /// The same of a file.

@@ -1,4 +1,4 @@
-// What keeps a damaged or malicious pickle from doing harm, and how it is told.
+// Keeps a damaged or malicious pickle from doing harm, and reports it.
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -9,10 +9,10 @@
 namespace canonpose::pickle {
 namespace {
 
-/// Files of benchmarks nest five deep or so.
+/// Benchmark files nest about five levels deep.
 constexpr std::size_t kDeepest = 100;
 
-/// What a value consists of: keys and values in turn for a dictionary.
+/// The parts of a value; for a dictionary, alternating keys and values.
 std::size_t PartCount(const Node& node) { return node.items.size() + 2 * node.members.size(); }
 const Node* Part(const Node& node, std::size_t index) {
   if (index < node.items.size()) return node.items[index];
@@ -53,18 +53,18 @@ void Where::Fail(const std::string& expected, const std::string& found, const st
 }
 
 void Where::FailDamaged(const std::string& what) const {
-  Fail("a Python pickle", what, "the file is cut short or damaged, or no pickle; copy or make it again");
+  Fail("a Python pickle", what, "the file is cut short or damaged, or is not a pickle; copy or create it again");
 }
 
 void Where::FailName(std::string_view name) const {
   std::string printable;
   for (const char c : name.substr(0, 80)) printable += c >= ' ' && c <= '~' ? c : '?';
   Fail("numbers, texts, lists, dictionaries and NumPy arrays", fmt::format("the name {}", printable),
-       "nothing was executed; do not load the file with Python unless you trust where it is from");
+       "nothing was executed; do not load the file with Python unless you trust its source");
 }
 
 void Where::Copied(std::size_t bytes) const {
-  constexpr std::size_t kCopiesOfAFile = 16;  // a list of N numbers takes 2 N bytes of a file and 8 N of memory
+  constexpr std::size_t kCopiesOfAFile = 16;  // a list of N numbers takes 2 N bytes of the file and 8 N of memory
   storage.copied_bytes += bytes;
   if (storage.copied_bytes > kCopiesOfAFile * storage.file_bytes) FailDamaged("the same values over and over");
 }

@@ -1,4 +1,4 @@
-// How NumPy writes arrays, types and single numbers into a pickle, of versions 1 and 2 alike.
+// Arrays, types and single numbers as NumPy 1 and 2 write them into a pickle.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -28,14 +28,14 @@ constexpr std::array<std::string_view, 11> kKnownNames = {"numpy.core.multiarray
 bool IsText(const Node& node) { return node.kind == Kind::kText || node.kind == Kind::kBytes; }
 bool IsType(const Node& node) { return node.stage == Node::Stage::kElements; }
 
-/// "f4", "<f8", "i8", "O8", "b1": a letter, the bytes of an element, perhaps their order.
+/// "f4", "<f8", "i8", "O8", "b1": a letter, the number of bytes of an element, and possibly their order.
 ElementType ParseType(std::string_view text, const Where& where) {
   ElementType type;
   if (!text.empty() && std::string_view("<>|=").find(text.front()) != std::string_view::npos) {
     type.big_endian = text.front() == '>';
     text.remove_prefix(1);
   }
-  if (text.empty()) where.FailDamaged("a type of array without name");
+  if (text.empty()) where.FailDamaged("a type of array without a name");
   type.letter = text.front();
   for (const char digit : text.substr(1)) {
     if (digit < '0' || digit > '9' || type.bytes > 1'000'000) {
@@ -53,13 +53,13 @@ std::vector<std::size_t> ParseShape(const Node& node, const Where& where) {
   constexpr std::size_t kMaxDimensions = 32;
   if (node.kind != Kind::kTuple || node.items.size() > kMaxDimensions) where.FailDamaged("an array without its shape");
   for (const Node* size : node.items) {
-    if (size->kind != Kind::kInteger || size->integer < 0) where.FailDamaged("an array whose shape is no numbers");
+    if (size->kind != Kind::kInteger || size->integer < 0) where.FailDamaged("an array whose shape is not numbers");
     shape.push_back(static_cast<std::size_t>(size->integer));
   }
   return shape;
 }
 
-/// Gives the array its data after checking that these are as many as the shape says.
+/// Gives the array its data after checking their number against the shape.
 void Fill(Node& array, std::vector<std::size_t> shape, const ElementType& type, bool column_major, const Node& data,
           const Where& where) {
   const bool is_objects = type.letter == 'O';
@@ -91,7 +91,7 @@ bool IsTrue(const Node& node) { return (node.kind == Kind::kBool || node.kind ==
 Node* Scalar(Storage& storage, const Node& type_node, const Node& bytes, const Where& where) {
   const ElementType& type = type_node.type;
   if (!type.IsNumber() || !IsText(bytes) || bytes.text.size() != type.bytes) {
-    where.FailDamaged(fmt::format("a value of type '{}' that is no number", type.Name()));
+    where.FailDamaged(fmt::format("a value of type '{}' that is not a number", type.Name()));
   }
   Node array;
   array.kind = Kind::kArray;
@@ -102,7 +102,7 @@ Node* Scalar(Storage& storage, const Node& type_node, const Node& bytes, const W
   Node* const number = storage.New(is_real ? Kind::kReal : type.letter == 'b' ? Kind::kBool : Kind::kInteger);
   number->real = value;
   if (!is_real) {
-    // Doubles do not hold all whole numbers of 8 bytes.
+    // A double cannot represent every 8-byte whole number.
     std::memcpy(&number->integer, bytes.text.data(), type.bytes);
     const bool is_negative = type.letter == 'i' && value < 0.0;
     if (is_negative && type.bytes < 8)
@@ -114,7 +114,7 @@ Node* Scalar(Storage& storage, const Node& type_node, const Node& bytes, const W
 Node* Encode(Storage& storage, const std::vector<Node*>& arguments, const Where& where) {
   const bool is_latin = arguments.size() == 2 && arguments[0]->kind == Kind::kText && IsText(*arguments[1]) &&
                         (arguments[1]->text == "latin1" || arguments[1]->text == "latin-1");
-  if (!is_latin) where.FailDamaged("_codecs.encode of other than a text to latin1");
+  if (!is_latin) where.FailDamaged("_codecs.encode of something other than a text to latin1");
   Node* const bytes = storage.New(Kind::kBytes);
   for (const char32_t character : FromUtf8(arguments[0]->text)) {
     if (character > 0xFF) where.FailDamaged("bytes beyond 255");
@@ -176,7 +176,7 @@ void Build(Node& target, const Node& state, const Where& where) {
     return;
   }
   const bool is_array = state.kind == Kind::kTuple && target.stage == Node::Stage::kBlank && parts.size() == 5;
-  if (!is_array || !IsType(*parts[2])) where.FailDamaged("a state for what has none");
+  if (!is_array || !IsType(*parts[2])) where.FailDamaged("a state for a value that has none");
   Fill(target, ParseShape(*parts[1], where), parts[2]->type, IsTrue(*parts[3]), *parts[4], where);
 }
 

@@ -88,7 +88,7 @@ TEST(PickleTest, EveryProtocolGivesTheSameValues) {
   }
 }
 
-TEST(PickleTest, WhatCannotBeHadIsTold) {
+TEST(PickleTest, MissingAndWrongValuesAreReported) {
   const Value root = Load(File("values_p5.pickle"));
   const auto refusal = [](auto action) { return ErrorOf(ErrorKind::kBadInput, action); };
   EXPECT_THAT(refusal([&] { (void)root["nowhere"]; }),
@@ -114,7 +114,7 @@ TEST(PickleTest, NothingIsExecuted) {
   EXPECT_THAT(Refusal("(S'ls'\nios\nsystem\n."), HasSubstr("os.system"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Load(File("numpy_load.pickle")); }), HasSubstr("numpy.load"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Load(File("object.pickle")); }), HasSubstr("pathlib.PurePosixPath"));
-  // Known names do not make calls of others possible.
+  // Known names do not make other calls possible.
   EXPECT_THAT(Refusal("cnumpy\nndarray\n(tR."), HasSubstr("a call of numpy.ndarray"));
   EXPECT_THAT(Refusal("cnumpy\nndarray\n(to."), HasSubstr("an object of a class"));
   EXPECT_THAT(Refusal("cnumpy\nndarray\n(t\x81."), HasSubstr("an object of a class"));
@@ -127,11 +127,11 @@ TEST(PickleTest, WhatIsEndlessOrTooLargeIsRefused) {
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Load(File("deep.pickle")); }), HasSubstr("more than 100 deep"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Load(File("set.pickle")); }), HasSubstr("a set"));
   EXPECT_THAT(Refusal(std::string("\x80\x06N.", 4)), HasSubstr("protocol 6"));
-  EXPECT_THAT(Refusal(std::string("\x8e\xff\xff\xff\xff\xff\xff\xff\x7f.", 10)), HasSubstr("where 1 are left"));
+  EXPECT_THAT(Refusal(std::string("\x8e\xff\xff\xff\xff\xff\xff\xff\x7f.", 10)), HasSubstr("where 1 remain"));
   EXPECT_THAT(Refusal(std::string("\x95\xff\xff\x00\x00\x00\x00\x00\x00N.", 11)), HasSubstr("a frame of 65535 bytes"));
   EXPECT_THAT(Refusal(std::string("\x8b\x10\x00\x00\x00", 5) + std::string(16, '\1') + "."), HasSubstr("16 bytes"));
   EXPECT_THAT(Refusal("\xff."), HasSubstr("instruction 0xff"));
-  // An array whose shape multiplies to more than its bytes, also beyond 64 bits.
+  // An array whose shape claims more than its bytes, even more than 64 bits can count.
   const std::string type = "cnumpy\ndtype\n(S'f8'\ntR(I3\nS'<'\ntbp1\n0";
   const std::string array = "cnumpy.core.multiarray\n_reconstruct\n(cnumpy\nndarray\n(I0\ntS'b'\ntR(I1\n(";
   EXPECT_THAT(Refusal(type + array + "I2\ntg1\nI00\nS'12345678'\ntb."), HasSubstr("8 bytes for an array (2) of '<f8'"));
@@ -147,7 +147,7 @@ TEST(PickleTest, WhatIsEndlessOrTooLargeIsRefused) {
   EXPECT_THAT(Refusal(copies + "l."), HasSubstr("over and over"));
 }
 
-/// Decodes and looks at everything; anything but an Error of bad input ends the test.
+/// Decodes and visits everything; anything other than Error(kBadInput) ends the test.
 bool Reads(const std::string& bytes) {
   try {
     const Value root = Decode(bytes, "x.pickle");

@@ -11,7 +11,7 @@
 namespace canonpose::pickle {
 namespace {
 
-/// IEEE 754 with 5 bits of exponent and 10 of mantissa.
+/// Half precision of IEEE 754: 5 bits of exponent and 10 of mantissa.
 double HalfToDouble(std::uint16_t half) {
   const int exponent = half >> 10 & 0x1F;
   const int mantissa = half & 0x3FF;
@@ -51,7 +51,7 @@ double ElementAt(const ElementType& type, const char* data) {
   }
 }
 
-/// Where in a column-major array the elements of a row-major one stand, in turn.
+/// The positions in a column-major array of its elements in row-major order.
 class ColumnMajorIndex {
  public:
   explicit ColumnMajorIndex(const std::vector<std::size_t>& shape) : shape_(shape), index_(shape.size(), 0) {}
@@ -124,7 +124,7 @@ void Value::Fail(const std::string& expected, const std::string& advice, const s
 
 std::optional<Value> Value::Find(const std::string& key) const {
   if (node_->kind != Kind::kDictionary) Fail("a dictionary");
-  // The last one counts, as in Python.
+  // The last one wins, as in Python.
   for (auto member = node_->members.rbegin(); member != node_->members.rend(); ++member) {
     if (!IsKey(*member->first) || KeyText(*member->first) != key) continue;
     return Value(storage_, member->second, fmt::format("{}[\"{}\"]", place_, key));

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using testing::TemporaryFolder;
 using testing::TestData;
 
-/// A file of a sample and the reader it is for; OpenPose's is put into a folder of its own.
+/// A sample file and the reader it is for; OpenPose's is put into its own folder.
 struct Victim {
   const char* format;
   const char* file;

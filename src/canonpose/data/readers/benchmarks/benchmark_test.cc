@@ -20,7 +20,7 @@ TEST(BenchmarkTest, OptionsWithoutMeaningAreRefused) {
     return ErrorOf(ErrorKind::kInvalidArgument, [&] { options.Validate(); });
   };
   EXPECT_THAT(refusal("h36m", [](BenchmarkOptions& o) { o.truth = "annot3"; }),
-              HasSubstr("`truth` has no meaning for h36m"));
+              HasSubstr("h36m does not support `truth`"));
   EXPECT_THAT(refusal("h36m", [](BenchmarkOptions& o) { o.fps = 25; }), HasSubstr("`fps`"));
   EXPECT_THAT(refusal("skipose", [](BenchmarkOptions& o) { o.calibration = "x"; }), HasSubstr("`calibration`"));
   EXPECT_THAT(refusal("3dhp-train", [](BenchmarkOptions& o) { o.image_size = {1, 1}; }), HasSubstr("`image_size`"));

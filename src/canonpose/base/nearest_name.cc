@@ -1,7 +1,8 @@
 #include "canonpose/base/nearest_name.h"
 
 #include <algorithm>
-#include <cctype>
+
+#include "canonpose/base/names.h"
 
 namespace canonpose {
 namespace {
@@ -9,13 +10,6 @@ namespace {
 /// A shorter prefix may mean any name.
 constexpr std::size_t kMinBeginning = 3;
 constexpr std::size_t kLettersPerSlip = 3;
-
-std::string LowerCase(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
-}
 
 /// Letters missed, added, replaced or swapped: the optimal string alignment distance.
 std::size_t Slips(const std::string& a, const std::string& b) {

@@ -1,6 +1,7 @@
 // Motion of an articulated body: a tree of rigid segments and the rotations of its joints over time.
 //
-// World frame everywhere in simulate/: millimetres, z up, ground near z = 0. Files with y up are turned when read.
+// The world's frame here and in simulate/: millimetres, z up, ground near z = 0. Files with y up are converted when
+// read.
 #pragma once
 
 #include <string>
@@ -17,7 +18,7 @@ struct MotionJoint {
   Eigen::Vector3d offset_mm;  ///< from the parent joint, in the parent's frame; zero for the root
 };
 
-/// T frames of J joints. With all rotations the identity the body stands in its rest pose, in the world's frame.
+/// T frames of J joints. If all rotations are the identity, the body is in its rest pose, in the world's frame.
 struct ArticulatedMotion {
   std::string name;     ///< of the clip: "01_01", "gait-3"
   std::string subject;  ///< clips of one subject share the joints' offsets
@@ -30,11 +31,12 @@ struct ArticulatedMotion {
   [[nodiscard]] int joint_count() const { return static_cast<int>(joints.size()); }
 };
 
-/// Forward kinematics of one frame: positions in the world, (J) mm, and world_from_joint rotations, (J).
+/// Forward kinematics of one frame: the joints' positions in the world, (J) mm, and their rotations world_from_joint,
+/// (J).
 void ForwardKinematics(const ArticulatedMotion& motion, int frame, std::vector<Eigen::Vector3d>& positions_mm,
                        std::vector<Eigen::Quaterniond>& world_from_joint);
 
-/// Every joint's position in the rest pose, (J) mm, the root at the origin.
+/// The joints' positions in the rest pose, (J) mm, with the root at the origin.
 std::vector<Eigen::Vector3d> RestPose(const ArticulatedMotion& motion);
 
 }  // namespace canonpose

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A trunk 500 mm high with an arm that reaches 300 mm along x, over two frames: at rest, and turned.
+/// A trunk 500 mm high with an arm of 300 mm along x, in two frames: at rest, and with both rotated.
 ArticulatedMotion TurningArm() {
   ArticulatedMotion motion;
   motion.fps = 50.0;

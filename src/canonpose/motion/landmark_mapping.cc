@@ -15,21 +15,21 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/motion/readers/text_lines.h"
+#include "canonpose/base/names.h"
 
 namespace canonpose {
 namespace {
 
 using Eigen::Vector3d;
 
-// Anthropometry as shares of the stature: lengths of limbs and heights by Drillis and Contini (in Winter, Biomechanics
-// and Motor Control of Human Movement, fig. 4.1), the head by the means of ANSUR II (US Army, 2012).
+// Anthropometry as fractions of the stature: lengths of limbs and heights from Drillis and Contini (in Winter,
+// Biomechanics and Motor Control of Human Movement, fig. 4.1), the head from the means of ANSUR II (US Army, 2012).
 constexpr double kHipToAnkle = 0.530 - 0.039;
-constexpr double kSpineShare = 0.475;    // of the way from hips to thorax: Human3.6M's skeleton
-constexpr double kUpperNeckShare = 0.2;  // of the height between thorax and crown: below the chin
+constexpr double kSpineShare = 0.475;    // of the distance from hips to thorax, as in Human3.6M's skeleton
+constexpr double kUpperNeckShare = 0.2;  // of the height between thorax and crown, which is below the chin
 constexpr double kHeadJointToCrown = 0.11;
-/// CMU's head bone ends amid the head's markers, a band around the forehead. Measured on its subjects: with this the
-/// height by legs and the height by the sum of segments agree.
+/// CMU's head bone ends in the middle of the head's markers, a band around the forehead. Measured on its subjects: with
+/// this value, the stature from the legs and the stature from the sum of segments agree.
 constexpr double kHeadBandToCrown = 0.035;
 struct HeadPoint {
   double down;  // from the crown
@@ -48,8 +48,8 @@ constexpr double kBigToeInside = 0.010;
 constexpr double kSmallToeOutside = 0.032;
 constexpr double kSmallToeBehindTip = 0.022;
 
-/// A name without case, punctuation and what stands before a colon, its side first: "mixamorig:LeftUpLeg", "upleg.L"
-/// and "l_up_leg" are all "lupleg".
+/// A name in lower case, without punctuation and any prefix before a colon, and with its side first:
+/// "mixamorig:LeftUpLeg", "upleg.L" and "l_up_leg" all become "lupleg".
 std::string PlainName(std::string_view name) {
   if (const std::size_t colon = name.rfind(':'); colon != std::string_view::npos) name.remove_prefix(colon + 1);
   std::string side;
@@ -70,11 +70,11 @@ std::string PlainName(std::string_view name) {
   return plain;
 }
 
-/// What the joints' names all begin with, such as "Character1_" or "Bip01 ".
+/// The length of the common prefix of the joints' names, such as "Character1_" or "Bip01 ".
 std::size_t CommonPrefix(const std::vector<MotionJoint>& joints) {
   std::size_t length = std::string::npos;
   const std::string& first = joints.back().name;
-  for (std::size_t j = 1; j < joints.size(); ++j) {  // the root may be named otherwise, such as "Bip01"
+  for (std::size_t j = 1; j < joints.size(); ++j) {  // the root may have another name, such as "Bip01"
     const std::string& name = joints[j].name;
     const auto [end, ignored] = std::mismatch(name.begin(), name.end(), first.begin(), first.end());
     length = std::min(length, static_cast<std::size_t>(end - name.begin()));
@@ -93,7 +93,7 @@ class JointFinder {
       exact_.emplace(name, static_cast<int>(j));
     }
   }
-  /// The first of the names that there is; -1 for none.
+  /// The joint with the first of these names that exists; -1 if none does.
   [[nodiscard]] int Find(std::initializer_list<std::string_view> names, std::string_view side = "") const {
     for (const std::string_view name : names) {
       const auto found = plain_.find(fmt::format("{}{}", side, name));
@@ -111,9 +111,9 @@ class JointFinder {
   std::unordered_map<std::string, int> exact_;
 };
 
-/// Joints of one side. MotionBuilder's and Mixamo's "LeftShoulder" and "LeftLeg" are the collar bone and the shank;
-/// they go first by the arm and the thigh that these files have, too. In SMPL's names the foot is what follows the
-/// ankle.
+/// Joints of one side. MotionBuilder's and Mixamo's "LeftShoulder" and "LeftLeg" are the collar bone and the shank, so
+/// the names of upper arm and thigh, which these files also have, are tried first. In SMPL's names the foot is the
+/// joint after the ankle.
 struct Side {
   int hip;
   int knee;
@@ -132,15 +132,15 @@ Side FindSide(const JointFinder& joints, std::string_view side) {
   found.ankle = find({"ankle", "foot"});
   found.shoulder = find({"humerus", "arm", "uparm", "upperarm", "shoulder"});
   found.elbow = find({"radius", "forearm", "lowarm", "lowerarm", "elbow"});
-  // CMU's bone "wrist" is the lower third of the forearm; the hand begins where it ends, as its thumb does, and the
-  // files that were converted from it call that the base of the fingers.
+  // CMU's bone "wrist" is the lower third of the forearm. The hand begins where that ends, like the thumb; files
+  // converted from CMU's call this joint the base of the fingers.
   found.wrist = joints.Find({"radius"}, side) >= 0 ? find({"hand", "wrist"}) : find({"fingerbase", "wrist", "hand"});
   found.toe = find({"toes", "toebase", "toe", "toe0", "ball"});
   if (found.toe < 0 && find({"ankle"}) >= 0) found.toe = find({"foot"});
   return found;
 }
 
-/// A landmark as a point of a segment: fixed in the joint's frame, given where it is in the rest pose.
+/// A landmark as a point of a segment, fixed in the joint's frame and given by its position in the rest pose.
 struct Attachment {
   int joint = -1;
   Vector3d rest = Vector3d::Zero();
@@ -170,7 +170,7 @@ class Mapper {
   void FindLimbs() {
     left_ = FindSide(finder_, "l");
     right_ = FindSide(finder_, "r");
-    // A "Head" of ours is the crown; that of others, where the head begins. Ours is known by its thorax.
+    // Our "Head" is the crown, but that of other files is where the head begins. Ours are recognised by their thorax.
     is_ours_ = finder_.Exactly("Thorax") >= 0 && finder_.Exactly("LHip") >= 0 && finder_.Exactly("LWrist") >= 0;
     head_ = is_ours_ ? finder_.Exactly("Head") : finder_.Find({"head", "skull"});
     std::vector<std::string> missing;
@@ -227,7 +227,7 @@ class Mapper {
     return way;
   }
 
-  /// The last joint that is on the way to both.
+  /// The last joint on the paths from the root to both.
   [[nodiscard]] int CommonAncestor(int a, int b) const {
     const std::vector<int> way_a = WayFromRoot(a);
     const std::vector<int> way_b = WayFromRoot(b);
@@ -237,7 +237,7 @@ class Mapper {
 
   [[nodiscard]] double Height(const Vector3d& point) const { return (point - hips_).dot(up_); }
 
-  /// The point of the spine at a height above the hips, in the segment that it is part of.
+  /// The point of the spine at a height above the hips, attached to its segment.
   [[nodiscard]] Attachment OnSpine(double height) const {
     for (std::size_t i = 0; i + 1 < spine_.size(); ++i) {
       const double low = Height(spine_[i].rest);
@@ -254,7 +254,7 @@ class Mapper {
     plan_[kHip].rest = hips_;
     const int chest = CommonAncestor(left_.shoulder, right_.shoulder);
     MapCrown();
-    // The spine: from the hips over the joints to the head, as far as they lie one above the other, to the crown.
+    // The spine goes from the hips through the joints up to the head, as far as each lies above the last, to the crown.
     spine_ = {plan_[kHip]};
     for (const int joint : WayFromRoot(skull_)) {
       if (Height(Rest(joint)) > Height(spine_.back().rest) + 1e-6)
@@ -266,7 +266,7 @@ class Mapper {
     const double shoulders = Height((Rest(left_.shoulder) + Rest(right_.shoulder)) / 2.0);
     const double crown = Height(plan_[kHead].rest);
     plan_[kThorax] = OnSpine(shoulders);
-    plan_[kThorax].joint = chest;  // the neck may turn, the shoulders do not turn with it
+    plan_[kThorax].joint = chest;  // when the neck turns, the shoulders do not turn with it
     plan_[kSpine] = OnSpine(kSpineShare * shoulders);
     plan_[kUpperNeck] = OnSpine(shoulders + kUpperNeckShare * (crown - shoulders));
     OnHead(kNose, kNosePoint, 0.0);
@@ -276,7 +276,7 @@ class Mapper {
     OnHead(kREar, kEarPoint, -1.0);
   }
 
-  /// The head's frame is that of the joint where it begins; the crown is at its end.
+  /// The head has the frame of the joint where it begins; the crown is at its end.
   void MapCrown() {
     skull_ = head_;
     if (is_ours_) {
@@ -301,13 +301,13 @@ class Mapper {
     plan_[landmark] = {skull_, plan_[kHead].rest + stature_ * from_crown};
   }
 
-  /// Big toe, small toe and heel, in this order from `big_toe`. In the rest pose the sole is square to the shank, which
-  /// holds whether the legs are together or, as in CMU's files, apart.
+  /// Big toe, small toe and heel, in this order from `big_toe`. In the rest pose the sole is at right angles to the
+  /// shank, whether the legs are together or, as in CMU's files, apart.
   void MapFoot(const Side& side, Landmark big_toe, double left) {
     const Vector3d ankle = Rest(side.ankle);
     const Vector3d up = (Rest(side.knee) - ankle).normalized();
     const auto along_sole = [&](const Vector3d& v) { return Vector3d(v - v.dot(up) * up); };
-    // Without a joint at the ball of the foot its end may tell where it points to.
+    // Without a joint at the ball of the foot, the end of the foot may show where it points to.
     const int end = FindEnd(side.toe >= 0 ? side.toe : side.ankle);
     Vector3d forward = along_sole(forward_);
     if (side.toe >= 0) {
@@ -333,7 +333,7 @@ class Mapper {
     plan_[big_toe + 2] = {side.ankle, point(-kHeelBehindAnkle * stature_, 0.0, kAnkleAboveHeel)};
   }
 
-  /// The only child of a joint; -1 where it has none or several.
+  /// The only child of a joint; -1 if it has none or several.
   [[nodiscard]] int FindEnd(int joint) const {
     int end = -1;
     for (int j = 0; j < static_cast<int>(joints_.size()); ++j) {
@@ -344,12 +344,13 @@ class Mapper {
     return end;
   }
 
-  /// Joints named as landmarks are what they say; of other files only those that mean nothing else there.
+  /// Joints with names of landmarks are these landmarks; in files of other origin, only those names that are
+  /// unambiguous.
   void MapByOwnNames() {
     for (int landmark = 0; landmark < kLandmarkCount; ++landmark) {
       const int joint = finder_.Exactly(LandmarkSkeleton().joints[static_cast<std::size_t>(landmark)]);
       const bool is_plain = landmark == kNose || (landmark >= kREye && landmark != kUpperNeck);
-      // The pelvis of ours may turn about a point that is not between the hips.
+      // Our own pelvis may rotate about a point that is not between the hips.
       if (joint >= 0 && landmark != kHip && (is_ours_ || is_plain)) AtJoint(static_cast<Landmark>(landmark), joint);
     }
   }
@@ -390,7 +391,7 @@ double StatureByLegs(const std::vector<MotionJoint>& joints) {
 }
 
 LandmarkTrack MakeLandmarkTrack(const ArticulatedMotion& motion, const std::string& file) {
-  if (motion.joints.empty()) ThrowBadInput({file, "joints", "those of a body", "none", ""});
+  if (motion.joints.empty()) ThrowBadInput({file, "joints", "the joints of a body", "none", ""});
   const std::array<Attachment, kLandmarkCount> plan = Mapper(motion, file).Map();
   const std::vector<Vector3d> rest = RestPose(motion);
   LandmarkTrack track;

@@ -152,7 +152,7 @@ TEST(LandmarkMapping, FindsJointsByTheNamesOfManyTools) {
 }
 
 TEST(LandmarkMapping, OurOwnNamesMeanTheLandmarks) {
-  // Crown, thorax, spine and a nose that is longer than people's.
+  // Crown, thorax, spine, and a nose that is longer than any person's.
   const ArticulatedMotion motion = Standing({{"Hip", "", {0, 0, 970}},
                                              {"Spine", "Hip", {0, 5, 1170}},
                                              {"Thorax", "Spine", {0, 10, 1440}},
@@ -219,12 +219,12 @@ TEST(LandmarkMapping, NamesTheJointsThatAreMissing) {
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { MakeLandmarkTrack(flat, "a.bvh"); }), HasSubstr("rest pose"));
 }
 
-// What recorded clips must show, whoever recorded them. Each measure is of one side or of the body's frame, so that
-// a swap of left and right or a mirrored world changes it.
+// Properties of any recorded clip. Each measure depends on one side or on the body's frame, so that it changes if left
+// and right are swapped or the world is mirrored.
 
 Vector3d Unit(const Vector3d& v) { return v.normalized(); }
 
-/// The pelvis' facing direction over the ground: left x up.
+/// The direction over the ground that the pelvis faces: left x up.
 Vector3d Facing(const LandmarkTrack& track, int t) {
   Vector3d left = track.At(t, kLHip) - track.At(t, kRHip);
   left.z() = 0.0;
@@ -237,7 +237,7 @@ double MeanOverFrames(const LandmarkTrack& track, const std::function<double(int
   return sum / track.frame_count();
 }
 
-/// Cosine between the way the pelvis goes and where it faces, over frames at a walking pace.
+/// Mean cosine between the directions in which the pelvis moves and faces, over frames at walking speed.
 double WalksForward(const LandmarkTrack& track) {
   constexpr int kStep = 12;
   double sum = 0.0;
@@ -253,13 +253,13 @@ double WalksForward(const LandmarkTrack& track) {
   return sum / count;
 }
 
-/// Mean of how far forward a landmark lies from another, mm.
+/// Mean distance by which a landmark is in front of another, mm.
 double Ahead(const LandmarkTrack& track, Landmark of, Landmark from) {
   return MeanOverFrames(track, [&](int t) { return (track.At(t, of) - track.At(t, from)).dot(Facing(track, t)); });
 }
 
-/// Mean of the bend of a hinge about the hips' or the shoulders' axis to the left, as the sine of the angle: above 0
-/// for a knee that takes the shank backward, below 0 for an elbow that takes the forearm forward.
+/// Mean bend of a hinge about the axis of the hips or shoulders to the left, as the sine of the angle: positive for a
+/// knee that bends the shank backward, negative for an elbow that bends the forearm forward.
 double Bend(const LandmarkTrack& track, Landmark top, Landmark hinge, Landmark end, Landmark left, Landmark right) {
   return MeanOverFrames(track, [&](int t) {
     const Vector3d upper = Unit(track.At(t, hinge) - track.At(t, top));
@@ -268,7 +268,7 @@ double Bend(const LandmarkTrack& track, Landmark top, Landmark hinge, Landmark e
   });
 }
 
-/// How far a walker is off what walkers are; empty where nothing is.
+/// In what way a walker does not look like one; empty if they do.
 std::string FaultsOfAWalker(const LandmarkTrack& track) {
   std::string faults;
   const auto require = [&](bool holds, const char* what) {
@@ -305,13 +305,14 @@ LandmarkTrack Mirrored(const LandmarkTrack& track) {
   return mirrored;
 }
 
-TEST(RecordedClips, WalkersTellLeftFromRight) {
+TEST(RecordedClips, WalkersShowLeftAndRight) {
   CANONPOSE_SKIP_WITHOUT_SHARED("data/cmu");
   for (const char* clip : {"02_01", "02_02"}) {
     const std::filesystem::path file = Shared("data/cmu/02") / (std::string(clip) + ".amc");
     const LandmarkTrack track = MakeLandmarkTrack(ReadMotion(file), file.string());
     EXPECT_EQ(FaultsOfAWalker(track), "") << clip;
-    EXPECT_EQ(FaultsOfAWalker(Swapped(Mirrored(track))), "") << "a mirrored walker whose sides are swapped is one, too";
+    EXPECT_EQ(FaultsOfAWalker(Swapped(Mirrored(track))), "")
+        << "a mirrored walker with swapped sides is a walker again";
     for (const LandmarkTrack& wrong : {Swapped(track), Mirrored(track)}) {
       for (const char* fault : {"walks", "toes", "nose", "shanks", "forearms", "knees", "elbows"}) {
         EXPECT_THAT(FaultsOfAWalker(wrong), HasSubstr(fault)) << clip;
@@ -326,7 +327,7 @@ TEST(RecordedClips, WalkersTellLeftFromRight) {
   }
 }
 
-/// The names in the widespread conversion of CMU's clips to BVH, whose hand is where CMU's lower forearm begins.
+/// The names of the widely used conversion of CMU's clips to BVH, whose hand is where CMU's lower forearm begins.
 TEST(RecordedClips, HaveTheSameLandmarksUnderTheNamesOfTheirConversion) {
   CANONPOSE_SKIP_WITHOUT_SHARED("data/cmu");
   const std::map<std::string, std::string> names = {
@@ -388,7 +389,7 @@ TEST(RecordedClips, AllLoadAndTheirBodiesAreRigidAndOfHumanSize) {
       ASSERT_GT(stature, 1500.0) << file << " " << t;
       ASSERT_LT(stature, 2000.0) << file << " " << t;
     }
-    // People's feet stay above the ground; climbers' and jumpers', too.
+    // Feet stay above the ground, even those of climbers and jumpers.
     std::vector<double> lowest;
     for (int t = 0; t < track.frame_count(); ++t) {
       lowest.push_back(std::min(
@@ -396,7 +397,7 @@ TEST(RecordedClips, AllLoadAndTheirBodiesAreRigidAndOfHumanSize) {
     }
     std::nth_element(lowest.begin(), lowest.begin() + static_cast<std::ptrdiff_t>(lowest.size() / 20), lowest.end());
     EXPECT_NEAR(lowest[lowest.size() / 20], 0.0, 60.0) << file;
-    // Whatever they do, knees do not bend forward and faces look ahead more than behind.
+    // Whatever people do, knees do not bend forward and faces look ahead more often than back.
     EXPECT_GT(Bend(track, kLHip, kLKnee, kLFoot, kLHip, kRHip), 0.1) << file;
     EXPECT_GT(Bend(track, kRHip, kRKnee, kRFoot, kLHip, kRHip), 0.1) << file;
     EXPECT_GT(MeanOverFrames(

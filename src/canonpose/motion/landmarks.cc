@@ -44,7 +44,7 @@ const Skeleton& LandmarkSkeleton() {
 
 double StatureMm(const Eigen::Vector3d* p) {
   const auto length = [&](Landmark a, Landmark b) { return (p[a] - p[b]).norm(); };
-  // The ankle stands above the sole by about 4.5 % of the stature.
+  // The ankle is above the sole by about 4.5 % of the stature.
   const double right = length(kRHip, kRKnee) + length(kRKnee, kRFoot);
   const double left = length(kLHip, kLKnee) + length(kLKnee, kLFoot);
   const double above_sole = (right + left) / 2 + length(kHip, kSpine) + length(kSpine, kThorax) +

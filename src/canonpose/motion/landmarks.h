@@ -1,4 +1,4 @@
-// The points of the body that detectors and skeletons name.
+// The points of the body that detectors and skeletons have names for.
 #pragma once
 
 #include <string>
@@ -11,12 +11,12 @@
 
 namespace canonpose {
 
-/// h36m-17's joints in its order, then REye, LEye, REar, LEar, UpperNeck, LBigToe, LSmallToe, LHeel, RBigToe,
-/// RSmallToe, RHeel: 28 landmarks from which every built-in layout is made. Head is the top of the head; Nose its tip;
-/// UpperNeck lies between Thorax (at shoulder height) and the chin.
+/// The joints of h36m-17 in its order, then REye, LEye, REar, LEar, UpperNeck, LBigToe, LSmallToe, LHeel, RBigToe,
+/// RSmallToe, RHeel: 28 landmarks from which every built-in layout can be made. Head is the top of the head, Nose its
+/// tip; UpperNeck lies between Thorax (at shoulder height) and the chin.
 const Skeleton& LandmarkSkeleton();
 
-/// The landmarks' indices, so that geometry code need not look up names.
+/// The landmarks' indices, so that code about bodies need not look up names.
 enum Landmark : int {
   kHip,
   kRHip,
@@ -62,8 +62,8 @@ struct LandmarkTrack {
   }
 };
 
-/// Length of the body from heel to crown along its bones, mm, of one pose (kLandmarkCount); a pose that crouches is as
-/// tall as one that stands.
+/// The length of the body from heel to crown along its bones, mm, in one pose (kLandmarkCount). It does not depend on
+/// the pose: a crouching person is as tall as a standing one.
 double StatureMm(const Eigen::Vector3d* landmarks);
 
 }  // namespace canonpose

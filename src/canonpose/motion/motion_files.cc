@@ -5,9 +5,9 @@
 #include <system_error>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/names.h"
 #include "canonpose/motion/readers/acclaim.h"
 #include "canonpose/motion/readers/bvh.h"
-#include "canonpose/motion/readers/text_lines.h"
 
 namespace canonpose {
 namespace {
@@ -49,10 +49,11 @@ std::vector<fs::path> FindMotionFiles(const std::vector<fs::path>& paths) {
       std::error_code entry_error;
       if (IsMotionFile(entry->path()) && entry->is_regular_file(entry_error)) all.push_back(entry->path());
     }
-    if (error) ThrowBadInput({path.string(), "", "a folder that can be read", error.message(), ""});
-    if (all.size() == before) ThrowBadInput({path.string(), "", "a file .amc or .bvh in it", "none", "check the path"});
+    if (error) ThrowBadInput({path.string(), "", "a readable folder", error.message(), ""});
+    if (all.size() == before)
+      ThrowBadInput({path.string(), "", "an .amc or .bvh file in it", "none", "check the path"});
   }
-  // A file that is named twice, by itself and by its folder, is one clip.
+  // A file that is given twice, by itself and by its folder, is one clip.
   std::sort(all.begin(), all.end());
   std::set<fs::path> seen;
   std::erase_if(all, [&](const fs::path& file) { return !seen.insert(fs::canonical(file)).second; });

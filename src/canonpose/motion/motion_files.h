@@ -1,4 +1,4 @@
-// Motion capture files of any format: which there are, and reading one.
+// Finds and reads motion capture files of any format.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace canonpose {
 ArticulatedMotion ReadMotion(const std::filesystem::path& path);
 
 /// All clips at the paths, sorted, each once: files as they are, and every .amc and .bvh file below a folder. Throws
-/// Error(kBadInput) where a path does not exist or holds no clip.
+/// Error(kBadInput) where a path does not exist or contains no clip.
 std::vector<std::filesystem::path> FindMotionFiles(const std::vector<std::filesystem::path>& paths);
 
 }  // namespace canonpose

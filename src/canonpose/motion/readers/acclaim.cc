@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/names.h"
 #include "canonpose/motion/readers/acclaim_skeleton.h"
 #include "canonpose/motion/readers/text_lines.h"
 
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr double kFramesPerSecond = 120.0;
 constexpr const char* kCutOff = "the file was cut off or damaged; export or copy it again";
 
-/// The skeleton that belongs to a clip: the one with the longest name that the clip's begins with, or the only one.
+/// The skeleton of a clip: the one with the longest name that the clip's name begins with, or the only one.
 fs::path FindSkeletonFile(const fs::path& amc) {
   const fs::path folder = amc.has_parent_path() ? amc.parent_path() : fs::path(".");
   std::vector<fs::path> all;
@@ -43,7 +44,8 @@ fs::path FindSkeletonFile(const fs::path& amc) {
   if (all.size() == 1) return all.front();
   ThrowBadInput({amc.string(), "", "its skeleton, an .asf file in the same folder",
                  all.empty() ? "none" : fmt::format("{} of other names", all.size()),
-                 fmt::format("put the .asf file of the subject beside it, named as {} begins", amc.stem().string())});
+                 fmt::format("put the .asf file of the subject beside it, with a name that {} begins with",
+                             amc.stem().string())});
 }
 
 class AmcReader {
@@ -72,7 +74,7 @@ class AmcReader {
       }
     }
     if (frame_ < 0)
-      lines_.Fail("the number of a frame and its bones", "this is no Acclaim motion (.amc), or it is empty");
+      lines_.Fail("the number of a frame and its bones", "this is not an Acclaim motion (.amc), or it is empty");
     FinishFrame();
     return std::move(motion_);
   }
@@ -98,7 +100,7 @@ class AmcReader {
   }
 
   void ReadBone() {
-    if (frame_ < 0) lines_.Fail("the number of a frame", "this is no Acclaim motion (.amc)");
+    if (frame_ < 0) lines_.Fail("the number of a frame", "this is not an Acclaim motion (.amc)");
     name_.assign(lines_.words().front());
     const auto found = bone_of_.find(name_);
     if (found == bone_of_.end()) {
@@ -110,7 +112,7 @@ class AmcReader {
     }
     frame_of_bone_[bone] = frame_;
     const std::size_t count = skeleton_.bones[bone].channels.size();
-    if (lines_.words().size() == count + 1) {  // the message need not be made for every line
+    if (lines_.words().size() == count + 1) {  // avoids making the message for every line
       for (std::size_t i = 0; i < count; ++i) values_[first_value_[bone] + i] = lines_.Number(i + 1);
     } else {
       lines_.Numbers(1, count, fmt::format("{} in frame {}", name_, number_), values_.data() + first_value_[bone]);
@@ -156,7 +158,7 @@ class AmcReader {
   std::vector<int> frame_of_bone_;        // the last frame that had the bone
   std::string name_;
   int frame_ = -1;
-  long long number_ = 0;  // as the file counts frames
+  long long number_ = 0;  // the file's own number of the frame
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/names.h"
 #include "canonpose/motion/readers/text_lines.h"
 
 namespace canonpose {
@@ -25,7 +26,7 @@ Channel ParseChannel(const TextLines& lines, std::string_view word) {
   return {lower[0] == 'r', lower[1] - 'x'};
 }
 
-/// The words after the first as channels, each at most once.
+/// Parses the words after the first as channels, each at most once.
 std::vector<Channel> ParseChannels(const TextLines& lines) {
   std::vector<Channel> channels;
   std::set<std::pair<bool, int>> seen;
@@ -52,7 +53,7 @@ class AsfParser {
         section_ = LowerCase(lines_.words().front());
         sections_.insert(section_);
       } else if (section_.empty()) {
-        lines_.Fail("a section such as :version", "this is no Acclaim skeleton (.asf)");
+        lines_.Fail("a section such as :version", "this is not an Acclaim skeleton (.asf)");
       } else if (section_ == ":units") {
         ReadUnits();
       } else if (section_ == ":root") {
@@ -68,7 +69,7 @@ class AsfParser {
   }
 
  private:
-  /// What stands in an axis line or in :root is in the file's units, which may follow later.
+  /// The angles of an axis line or of :root are in the file's units, which may only be given later.
   struct Turn {
     Eigen::Vector3d angles = Eigen::Vector3d::Zero();
     int order[3] = {0, 1, 2};
@@ -113,7 +114,7 @@ class AsfParser {
   void ReadBone() {
     const std::string key = LowerCase(lines_.words().front());
     if (key == "begin") {
-      if (is_in_block_) lines_.Fail("the end of the bone before", kExportAgain);
+      if (is_in_block_) lines_.Fail("the end of the previous bone", kExportAgain);
       is_in_block_ = true;
       bone_ = AcclaimBone();
       turn_ = Turn();
@@ -121,7 +122,7 @@ class AsfParser {
       length_ = -1.0;
       return;
     }
-    // The values of limits stand on lines of their own.
+    // The values of limits may be on separate lines.
     if (key.front() == '(') return;
     if (!is_in_block_) lines_.Fail("begin", kExportAgain);
     if (key == "name") {
@@ -177,7 +178,7 @@ class AsfParser {
     for (std::size_t i = 1; i < lines_.words().size(); ++i) {
       const int child = FindBone(lines_.words()[i]);
       AcclaimBone& bone = bones_[static_cast<std::size_t>(child)];
-      if (child == 0) lines_.Fail("a bone below the root", "the hierarchy goes round in a circle", "'root'");
+      if (child == 0) lines_.Fail("a bone below the root", "the hierarchy contains a cycle", "'root'");
       if (bone.parent >= 0) {
         lines_.Fail(fmt::format("one parent of {}", bone.name), "the hierarchy names it twice",
                     fmt::format("{} and {}", bones_[static_cast<std::size_t>(bone.parent)].name,
@@ -196,7 +197,7 @@ class AsfParser {
     for (const char* section : {":units", ":root", ":bonedata", ":hierarchy"}) {
       if (sections_.count(section) == 0) {
         Fail(fmt::format("a section {}", section), sections_.empty() ? "an empty file" : "none",
-             "this is no Acclaim skeleton (.asf), or it was cut off");
+             "this is not an Acclaim skeleton (.asf), or it was cut off");
       }
     }
     if (is_in_block_) Fail(fmt::format("the end of bone {}", bone_.name), "the end of the file", "it was cut off");
@@ -209,8 +210,8 @@ class AsfParser {
       const std::set<std::string> reached = Names(skeleton_.bones);
       for (const AcclaimBone& bone : bones_) {
         if (reached.count(bone.name) > 0) continue;
-        Fail(fmt::format("a way from the root to {} in :hierarchy", bone.name), "none",
-             "the hierarchy lacks a line or goes round in a circle");
+        Fail(fmt::format("a path from the root to {} in :hierarchy", bone.name), "none",
+             "the hierarchy lacks a line or contains a cycle");
       }
     }
     AddJoints();
@@ -222,7 +223,7 @@ class AsfParser {
     return names;
   }
 
-  /// Each bone has one parent, so that what the root reaches is a tree; depth is that of the bones' count at most.
+  /// Adds a bone and everything below it. Each bone has one parent, so this is a tree and the loop ends.
   void AddBone(int from, int parent) {
     std::vector<std::pair<int, int>> stack = {{from, parent}};
     while (!stack.empty()) {
@@ -256,7 +257,7 @@ class AsfParser {
     for (std::size_t i = 0; i < has_child.size(); ++i) {
       if (has_child[i] || i == 0) continue;
       const std::string name = skeleton_.bones[i].name + "_end";
-      if (!names.insert(name).second) Fail("names of bones that differ", fmt::format("a bone {}", name), "rename it");
+      if (!names.insert(name).second) Fail("bones with different names", fmt::format("a bone {}", name), "rename it");
       skeleton_.joints.push_back({name, static_cast<int>(i), ZUpFromYUp(skeleton_.bones[i].end_mm)});
     }
   }

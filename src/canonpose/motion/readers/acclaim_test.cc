@@ -30,7 +30,7 @@ void ExpectAt(const std::map<std::string, Vector3d>& positions, const std::strin
   EXPECT_LT((positions.at(joint) - expected).norm(), 1e-9) << joint << ": " << positions.at(joint).transpose();
 }
 
-/// Without the wait for the disk that WriteFileAtomically() takes, for the tests write hundreds of files.
+/// Unlike WriteFileAtomically(), this does not wait for the disk; the tests write hundreds of files.
 void WriteText(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
@@ -73,12 +73,12 @@ TEST(Acclaim, PositionsAreThoseComputedByHand) {
   ExpectAt(at, "shank", {100, -200, 600});
   ExpectAt(at, "shank_end", {100, -200, 200});
   ExpectAt(at, "trunk_end", {100, -200, 1500});
-  // The thigh's x is turned to y (up) by its axis, so that it spins about itself and takes the shank, bent to its side
-  // by rz, to the back.
+  // The thigh's axis turns its x to y (up), so that the thigh spins about itself and moves the shank, which rz has bent
+  // sideways, to the back.
   at = PositionsByName(motion, 1);
   ExpectAt(at, "shank", {100, -200, 600});
   ExpectAt(at, "shank_end", {100, 200, 600});
-  // The body is turned about x first, about y then; so is the shank, about x first and z then.
+  // The body is rotated about x first and then about y, the shank about x first and then about z.
   at = PositionsByName(motion, 2);
   ExpectAt(at, "trunk_end", {500, 0, 1000});
   ExpectAt(at, "shank", {-400, 0, 1000});
@@ -112,7 +112,7 @@ TEST(Acclaim, OrdersUnitsAndLineEndingsMayDiffer) {
     *text = windows;
   }
   for (const auto& [joint, position] : PositionsByName(Read(asf, amc), 2)) ExpectAt(expected, joint, position);
-  // About y first and x then: another pose, (0, 1, 0) to (0, 0, 1) in the file's axes.
+  // About y first and then about x is another pose: (0, 1, 0) to (0, 0, 1) in the file's axes.
   ExpectAt(PositionsByName(Read(Replaced(TinyAsf(), "axis XYZ", "axis YXZ"), TinyAmc()), 2), "trunk_end",
            {0, -500, 1000});
 }
@@ -136,14 +136,14 @@ TEST(Acclaim, DamagedSkeletonsSayWhereAndWhat) {
   EXPECT_THAT(AsfError("dof rz rx", "dof rz tx"), HasSubstr("rotations"));
   EXPECT_THAT(AsfError("name trunk", "name thigh"), HasSubstr("'thigh' again"));
   EXPECT_THAT(AsfError("root thigh trunk", "root thigh trunk tail"), AllOf(HasSubstr("line 44"), HasSubstr("'tail'")));
-  EXPECT_THAT(AsfError("root thigh trunk", "root thigh"), HasSubstr("a way from the root to trunk"));
+  EXPECT_THAT(AsfError("root thigh trunk", "root thigh"), HasSubstr("a path from the root to trunk"));
   EXPECT_THAT(AsfError("root thigh trunk", "root thigh trunk shank"), HasSubstr("found root and thigh"));
   EXPECT_THAT(AsfError("thigh shank\n", "thigh root\n"), HasSubstr("circle"));
   EXPECT_THAT(AsfError("root thigh trunk\n    thigh shank", "root trunk\n thigh shank\n shank thigh"),
               HasSubstr("circle"));
   EXPECT_THAT(AsfError("  end\n:hierarchy", ":hierarchy"), HasSubstr("the end of bone trunk"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Read("", TinyAmc()); }), HasSubstr("an empty file"));
-  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Read("{\"a\": 1}", TinyAmc()); }), HasSubstr("no Acclaim skeleton"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Read("{\"a\": 1}", TinyAmc()); }), HasSubstr("not an Acclaim skeleton"));
 }
 
 TEST(Acclaim, EveryCutOfASkeletonIsFound) {
@@ -176,10 +176,10 @@ TEST(Acclaim, DamagedMotionsSayWhereAndWhat) {
   EXPECT_THAT(AmcError("\n2\n", "\n:DEGREES\n2\n"), HasSubstr("line 8"));
   EXPECT_THAT(AmcError("shank 90 90\n", ""),
               AllOf(HasSubstr("bone shank in frame 3, found the end of the file"), HasSubstr("cut off")));
-  // A bone without degrees of freedom has no place in a frame.
+  // A bone without degrees of freedom must not appear in a frame.
   EXPECT_THAT(AmcError("thigh 90", "trunk 90"), HasSubstr("expected 0 values of trunk"));
   for (const char* empty : {"", "# nothing\n", ":DEGREES\n"}) {
-    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Read(TinyAsf(), empty); }), HasSubstr("no Acclaim motion"));
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Read(TinyAsf(), empty); }), HasSubstr("not an Acclaim motion"));
   }
 }
 

@@ -13,6 +13,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
+#include "canonpose/base/names.h"
 #include "canonpose/motion/channels.h"
 #include "canonpose/motion/landmark_mapping.h"
 #include "canonpose/motion/readers/text_lines.h"
@@ -23,12 +24,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kDamaged = "the file is damaged; export or copy it again";
-/// Joints other than the root may move away from their offset by this share of the stature: the noise of an exporter.
+/// Joints other than the root may deviate from their offset by this fraction of the stature, which is an exporter's
+/// noise.
 constexpr double kLargestStretch = 0.001;
 constexpr double kLowestStatureMm = 1200.0;
 constexpr double kHighestStatureMm = 2300.0;
 
-/// One joint of the hierarchy; its offset as in the file: y up, the file's unit.
+/// One joint of the hierarchy, with its offset as in the file: y up and in the file's unit.
 struct BvhJoint {
   std::string name;
   int parent = -1;
@@ -40,12 +42,12 @@ struct BvhJoint {
   bool has_channels = false;
 };
 
-/// An End Site at no distance is no joint: it closes a leaf, as WriteBvh() does.
+/// An End Site with a zero offset is not a joint: it only closes a leaf, as those of WriteBvh() do.
 bool IsEmptyEndSite(const BvhJoint& joint) { return joint.is_end_site && joint.offset.isZero(0.0); }
 
 struct BvhFile {
   std::vector<BvhJoint> joints;
-  std::size_t row = 0;  // values a frame
+  std::size_t row = 0;  // values per frame
   std::size_t frames = 0;
   double fps = 0.0;
   std::vector<double> values;  // (frames, row)
@@ -56,10 +58,10 @@ class BvhParser {
   explicit BvhParser(const fs::path& path) : lines_(path) {}
 
   BvhFile Read() {
-    if (!lines_.Next() || !SameWord(lines_.words().front(), "HIERARCHY"))
-      lines_.Fail("HIERARCHY", "this is no BVH file");
+    if (!lines_.Next() || !SameName(lines_.words().front(), "HIERARCHY"))
+      lines_.Fail("HIERARCHY", "this is not a BVH file");
     while (Advance("MOTION")) {
-      if (SameWord(Word(), "MOTION")) break;
+      if (SameName(Word(), "MOTION")) break;
       ReadHierarchyWord();
     }
     if (!open_.empty()) {
@@ -75,7 +77,7 @@ class BvhParser {
   [[nodiscard]] std::string_view Word() const { return lines_.words()[word_]; }
   BvhJoint& Top() { return file_.joints[static_cast<std::size_t>(open_.back())]; }
 
-  /// To the next word, wherever it stands.
+  /// Moves to the next word, on this line or a later one.
   bool Advance(const char* expected) {
     if (++word_ < lines_.words().size()) return true;
     word_ = 0;
@@ -84,21 +86,21 @@ class BvhParser {
   }
 
   void ReadHierarchyWord() {
-    if (SameWord(Word(), "ROOT")) {
-      if (!file_.joints.empty()) lines_.Fail("one ROOT", "write each body to a file of its own", "a second one");
+    if (SameName(Word(), "ROOT")) {
+      if (!file_.joints.empty()) lines_.Fail("one ROOT", "write each body to its own file", "a second one");
       OpenJoint(false);
     } else if (open_.empty()) {
       lines_.Fail("ROOT or MOTION", "the file is damaged: its braces do not balance", Quoted(Word()));
-    } else if (SameWord(Word(), "JOINT")) {
+    } else if (SameName(Word(), "JOINT")) {
       OpenJoint(false);
-    } else if (SameWord(Word(), "End")) {
+    } else if (SameName(Word(), "End")) {
       OpenJoint(true);
-    } else if (SameWord(Word(), "OFFSET")) {
+    } else if (SameName(Word(), "OFFSET")) {
       if (Top().has_offset) lines_.Fail(fmt::format("one OFFSET of {}", Top().name), kDamaged, "a second one");
       lines_.Numbers(word_ + 1, 3, "OFFSET", Top().offset.data());
       Top().has_offset = true;
       word_ = lines_.words().size();
-    } else if (SameWord(Word(), "CHANNELS")) {
+    } else if (SameName(Word(), "CHANNELS")) {
       ReadChannels();
     } else if (Word() == "}") {
       CloseJoint();
@@ -107,7 +109,7 @@ class BvhParser {
     }
   }
 
-  /// "JOINT name {": names may hold blanks, the brace may stand on the next line.
+  /// "JOINT name {": names may contain blanks, and the brace may be on the next line.
   void OpenJoint(bool is_end_site) {
     BvhJoint joint;
     joint.parent = open_.empty() ? -1 : open_.back();
@@ -129,7 +131,7 @@ class BvhParser {
 
   void TakeName(const std::string& name) {
     if (names_.insert(name).second) return;
-    lines_.Fail("each joint once", "give the joints names that differ", fmt::format("{} again", Quoted(name)));
+    lines_.Fail("each joint once", "give the joints different names", fmt::format("{} again", Quoted(name)));
   }
 
   void CloseJoint() {
@@ -172,14 +174,14 @@ class BvhParser {
     file_.row += joint.channels.size();
   }
 
-  /// The number of a line such as "Frame Time: 0.1"; a blank behind the colon may lack.
+  /// The number of a line such as "Frame Time: 0.1"; there may be no blank after the colon.
   double ReadHeaderLine(const char* key) {
     const std::string expected = fmt::format("{}: and a number", key);
     if (!lines_.Next()) lines_.Fail(expected, "the file was cut off; export or copy it again");
     std::string line;
     for (const std::string_view word : lines_.words()) line += (line.empty() ? "" : " ") + std::string(word);
     const std::size_t colon = line.find(':');
-    if (colon == std::string::npos || !SameWord(line.substr(0, colon), key)) lines_.Fail(expected, kDamaged);
+    if (colon == std::string::npos || !SameName(line.substr(0, colon), key)) lines_.Fail(expected, kDamaged);
     const std::size_t begin = line.find_first_not_of(' ', colon + 1);
     if (begin == std::string::npos) lines_.Fail(expected, kDamaged);
     return lines_.ParseNumber(std::string_view(line).substr(begin));
@@ -187,18 +189,18 @@ class BvhParser {
 
   void ReadMotion() {
     const double frames = ReadHeaderLine("Frames");
-    if (frames < 1.0 || frames != std::floor(frames)) lines_.Fail("a count of frames from 1", kDamaged);
+    if (frames < 1.0 || frames != std::floor(frames)) lines_.Fail("a whole number of frames, at least 1", kDamaged);
     const double seconds = ReadHeaderLine("Frame Time");
     if (!(seconds >= 1e-6 && seconds <= 10.0)) lines_.Fail("a frame time above 0 and up to 10 seconds", kDamaged);
-    // Exporters write few digits: 0.0333333 is 30 frames a second, 0.008333 is 120.
+    // Exporters write few digits: 0.0333333 is 30 frames per second, 0.008333 is 120.
     file_.fps = 1.0 / seconds;
     if (std::abs(std::round(file_.fps) - file_.fps) < 2e-4 * file_.fps) file_.fps = std::round(file_.fps);
-    // A value takes two bytes at least, so that no count that the file cannot hold is believed.
+    // A value takes at least two bytes, which limits how many the file can contain whatever count it claims.
     const double most = static_cast<double>(lines_.bytes_left() + 1) / 2.0 / static_cast<double>(file_.row);
     file_.values.reserve(static_cast<std::size_t>(std::min(frames, most)) * file_.row);
     while (lines_.Next()) {
       if (static_cast<double>(file_.frames) == frames) {
-        lines_.Fail(fmt::format("as many rows as Frames: says, {}", frames), kDamaged, "more rows");
+        lines_.Fail(fmt::format("{} rows, the number after Frames:", frames), kDamaged, "more rows");
       }
       ++file_.frames;
       const std::size_t begin = file_.values.size();
@@ -210,7 +212,7 @@ class BvhParser {
       }
     }
     if (static_cast<double>(file_.frames) != frames) {
-      lines_.Fail(fmt::format("as many rows as Frames: says, {}", frames),
+      lines_.Fail(fmt::format("{} rows, the number after Frames:", frames),
                   "the file was cut off; export or copy it again", fmt::format("{} rows", file_.frames));
     }
   }
@@ -227,7 +229,7 @@ struct Unit {
   double mm;
 };
 
-/// The unit in which the body is as tall as people are.
+/// The unit with which the body is as tall as a person.
 double GuessUnit(const std::string& file, const std::vector<MotionJoint>& joints) {
   static constexpr std::array<Unit, 6> kUnits = {{{"millimetres", 1.0},
                                                   {"centimetres", 10.0},
@@ -237,7 +239,7 @@ double GuessUnit(const std::string& file, const std::vector<MotionJoint>& joints
                                                   {"metres", 1000.0}}};
   double stature = StatureByLegs(joints);
   if (stature <= 0.0) {
-    // Without names: people are as tall as their arms span, so the larger extent of the rest pose will do.
+    // Without known names: people's arm span is about their stature, so the largest extent of the rest pose will do.
     ArticulatedMotion rest;
     rest.joints = joints;
     Eigen::AlignedBox3d box;
@@ -247,7 +249,7 @@ double GuessUnit(const std::string& file, const std::vector<MotionJoint>& joints
   const Unit* best = nullptr;
   double smallest = std::numeric_limits<double>::infinity();
   for (const Unit& unit : kUnits) {
-    // The ranges of decimetres and CMU's units meet; the more usual stature is the likelier one.
+    // The ranges of decimetres and CMU's units overlap; the more usual stature is more likely.
     const double distance = std::abs(std::log(stature * unit.mm / 1700.0));
     const bool is_plausible = stature * unit.mm >= kLowestStatureMm && stature * unit.mm <= kHighestStatureMm;
     if (is_plausible && distance < smallest) {
@@ -259,11 +261,12 @@ double GuessUnit(const std::string& file, const std::vector<MotionJoint>& joints
     ThrowBadInput({file, "HIERARCHY", "a body between 1.2 and 2.3 m tall in mm, cm, dm, inches, CMU's units or m",
                    fmt::format("one {:.4g} units tall", stature), "give the length of its unit"});
   }
-  LogInfo("{}: takes lengths for {}: the body is {:.2f} m tall", file, best->name, stature * best->mm / 1000.0);
+  LogInfo("{}: assuming lengths in {}, with which the body is {:.2f} m tall", file, best->name,
+          stature * best->mm / 1000.0);
   return best->mm;
 }
 
-/// Positions of a joint other than the root must be its offset, as an articulated body's are.
+/// Checks that the positions of a joint other than the root are its offset, as in any articulated body.
 void CheckStretch(const std::string& file, const BvhFile& bvh, const BvhJoint& joint, double largest) {
   for (std::size_t c = 0; c < joint.channels.size(); ++c) {
     if (joint.channels[c].is_rotation) continue;

@@ -27,7 +27,7 @@ using testing::TestData;
 
 std::string Tiny() { return ReadFile(TestData("mocap/tiny.bvh")); }
 
-/// Without the wait for the disk that WriteFileAtomically() takes, for the tests write hundreds of files.
+/// Unlike WriteFileAtomically(), this does not wait for the disk; the tests write hundreds of files.
 void WriteText(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
@@ -59,7 +59,7 @@ void ExpectHandComputed(const ArticulatedMotion& motion) {
   expect_at(0, "Spine_end", {0, 0, 1900});
   expect_at(0, "The Limb", {100, 0, 1000});
   expect_at(0, "The Limb_end", {100, 0, 200});
-  // The root by Rx * Ry, the spine by Ry * Rz: the last that a file names is applied first.
+  // The root rotates by Rx * Ry, the spine by Ry * Rz: the last rotation in the file is applied first.
   expect_at(1, "Spine", {0, -500, 1000});
   expect_at(1, "Spine_end", {400, -500, 1000});
   expect_at(1, "The Limb", {0, 0, 1100});
@@ -73,7 +73,7 @@ TEST(Bvh, PositionsAreThoseComputedByHand) {
   ExpectHandComputed(motion);
 }
 
-TEST(Bvh, LayoutOfTheTextIsNoMatter) {
+TEST(Bvh, LayoutOfTheTextDoesNotMatter) {
   std::string text = Tiny();
   text = Replaced(text, "JOINT Spine\n\t{\n\t\tOFFSET", "JOINT   Spine {\n\t\tOFFSET");
   text = Replaced(text, "Frames: 2", "frames:2");
@@ -85,12 +85,12 @@ TEST(Bvh, LayoutOfTheTextIsNoMatter) {
 }
 
 TEST(Bvh, PositionsOfJointsOtherThanTheRootMustBeTheirOffset) {
-  // The file's 10.00001 is an exporter's rounding; half a centimetre is none.
+  // The file's 10.00001 is an exporter's rounding, but half a centimetre is not.
   EXPECT_THAT(BvhError("10.00001", "10.5"),
               AllOf(HasSubstr("frame 2"), HasSubstr("The Limb at its OFFSET, 10 along x"), HasSubstr("10.5")));
 }
 
-TEST(Bvh, TheUnitIsToldByTheStature) {
+TEST(Bvh, TheUnitFollowsFromTheStature) {
   struct Case {
     double scale;
     double unit_mm;
@@ -115,7 +115,7 @@ TEST(Bvh, TheUnitIsToldByTheStature) {
 }
 
 TEST(Bvh, DamagedHierarchiesSayWhereAndWhat) {
-  EXPECT_THAT(BvhError("HIERARCHY", "hello"), AllOf(HasSubstr("line 1"), HasSubstr("no BVH file")));
+  EXPECT_THAT(BvhError("HIERARCHY", "hello"), AllOf(HasSubstr("line 1"), HasSubstr("not a BVH file")));
   EXPECT_THAT(BvhError("ROOT Hips", "ROOT"), AllOf(HasSubstr("line 2"), HasSubstr("a name")));
   EXPECT_THAT(BvhError("JOINT The Limb", "JOINT Spine"), AllOf(HasSubstr("line 15"), HasSubstr("'Spine' again")));
   EXPECT_THAT(BvhError("OFFSET 0 50 0", "OFFSET 0 50"), AllOf(HasSubstr("line 8"), HasSubstr("found 2 values")));
@@ -137,7 +137,7 @@ TEST(Bvh, DamagedHierarchiesSayWhereAndWhat) {
 }
 
 TEST(Bvh, ChannelsMayBeFewAndEndSitesEmpty) {
-  // A root that only turns and rises, a joint that cannot move, a leaf that ends where it begins.
+  // A root that only rotates and rises, a joint that cannot move, a leaf of zero length.
   const ArticulatedMotion motion = Read(
       "HIERARCHY\nROOT a\n{\nOFFSET 1 2 3\nCHANNELS 2 Yposition Zrotation\nJOINT b\n{\nOFFSET 0 80 0\nCHANNELS 0\n"
       "JOINT c\n{\nOFFSET 0 90 0\nCHANNELS 1 Xrotation\nEnd Site\n{\nOFFSET 0 0 0\n}\n}\n}\n}\n"
@@ -153,9 +153,9 @@ TEST(Bvh, DamagedMotionsSayWhereAndWhat) {
   const std::string tiny = Tiny();
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Read(tiny.substr(0, tiny.find("MOTION"))); }),
               AllOf(HasSubstr("expected MOTION, found the end of the file")));
-  EXPECT_THAT(BvhError("Frames: 2", "Frames: 3"), AllOf(HasSubstr("Frames: says, 3, found 2 rows")));
+  EXPECT_THAT(BvhError("Frames: 2", "Frames: 3"), AllOf(HasSubstr("3 rows, the number after Frames:, found 2 rows")));
   EXPECT_THAT(BvhError("Frames: 2", "Frames: 1"), AllOf(HasSubstr("line 29"), HasSubstr("more rows")));
-  // Such a count must not be believed before the rows are there.
+  // Such a count must not be trusted before the rows are read.
   EXPECT_THAT(BvhError("Frames: 2", "Frames: 900000000"), HasSubstr("found 2 rows"));
   for (const char* count : {"-2", "0", "2.5", "two", ""}) {
     EXPECT_THAT(BvhError("Frames: 2", fmt::format("Frames: {}", count)), HasSubstr("line 26")) << count;
@@ -172,7 +172,7 @@ TEST(Bvh, DamagedMotionsSayWhereAndWhat) {
 
 TEST(Bvh, EveryCutIsFound) {
   const std::string whole = Tiny();
-  // Up to the last row's last value, which may be shorter by a digit and still be a number.
+  // Except in the last value, which may lack a digit and still be a number.
   for (std::size_t size = 0; size + 4 < whole.size(); size += 3) {
     EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Read(whole.substr(0, size)); }), HasSubstr("clip.bvh")) << size;
   }

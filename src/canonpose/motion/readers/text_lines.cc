@@ -1,7 +1,6 @@
 #include "canonpose/motion/readers/text_lines.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -15,13 +14,11 @@
 namespace canonpose {
 namespace {
 
-/// No length, angle or time of a body's motion comes near this.
+/// No length, angle or time of a body's motion is anywhere near this large.
 constexpr double kLargestNumber = 1e9;
 constexpr std::size_t kLongestFound = 60;
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v'; }
-
-char Lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
 
 }  // namespace
 
@@ -58,7 +55,7 @@ double TextLines::ParseNumber(std::string_view text) const {
   if (word.size() > 1 && word.front() == '+') word.remove_prefix(1);
   double number = 0.0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-  // Too small a number is as good as 0; strtod tells it from one too large.
+  // A number that is too small counts as 0; strtod distinguishes it from one that is too large.
   if (error == std::errc::result_out_of_range) number = std::strtod(std::string(word).c_str(), nullptr);
   if (error == std::errc::invalid_argument || end != word.data() + word.size()) {
     Fail("a number", "the file is damaged; export or copy it again", Quoted(text));
@@ -90,7 +87,7 @@ void TextLines::Fail(const std::string& expected, const std::string& advice, con
 
 std::string Quoted(std::string_view text) {
   const bool is_text = std::all_of(text.begin(), text.end(), [](unsigned char c) { return c >= 0x20 || c == '\t'; });
-  if (!is_text) return "bytes that are no text";
+  if (!is_text) return "bytes that are not text";
   if (text.size() > kLongestFound) return fmt::format("'{}...'", text.substr(0, kLongestFound));
   return fmt::format("'{}'", text);
 }
@@ -100,17 +97,6 @@ long long WholeNumber(std::string_view word) {
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
   const bool is_whole = error == std::errc() && end == word.data() + word.size();
   return is_whole && number >= 0 && number <= std::numeric_limits<int>::max() ? number : -1;
-}
-
-bool SameWord(std::string_view a, std::string_view b) {
-  return a.size() == b.size() &&
-         std::equal(a.begin(), a.end(), b.begin(), [](char x, char y) { return Lower(x) == Lower(y); });
-}
-
-std::string LowerCase(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(), Lower);
-  return lower;
 }
 
 }  // namespace canonpose

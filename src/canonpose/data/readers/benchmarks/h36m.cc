@@ -230,9 +230,8 @@ class Human36mImporter {
     lenses_ = rig_ ? rig_->lenses : KnownLenses();
     if (!rig_ && files_.positions_3d) {
       LogWarning(
-          "there is no truth without cameras, since 3D poses are in the world's frame; set `calibration` to a "
-          "cameras.json with "
-          "VideoPose3D's h36m_cameras_extrinsic_params as \"extrinsic\" and h36m_cameras_intrinsic_params as "
+          "there is no truth without cameras, since 3D poses are in the world's frame; set `calibration` to a JSON "
+          "file with VideoPose3D's h36m_cameras_extrinsic_params as \"extrinsic\" and h36m_cameras_intrinsic_params as "
           "\"intrinsic\"");
     }
   }

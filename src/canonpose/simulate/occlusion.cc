@@ -6,7 +6,7 @@
 namespace canonpose {
 namespace {
 
-/// Skin over a landmark that no capsule begins or ends at: eyes, ears, nose lie on the surface.
+/// Skin over a landmark at which no capsule begins or ends: eyes, ears and nose are on the surface.
 constexpr double kSkinOfOthers = 0.005;
 
 /// A limb as a capsule between two landmarks.
@@ -97,7 +97,8 @@ void OcclusionTest::Find(const Eigen::Vector3d* landmarks, const Eigen::Vector3d
       const double radius = capsules[c].radius * stature_mm;
       const double radius2 = radius * radius;
       if (SegmentDistanceSquared(skin, camera_centre_mm, from, to) >= radius2) continue;
-      // Flesh that surrounds the joint, or meets the skin over it, is no obstacle: one sees its surface there.
+      // Flesh that surrounds the joint or touches the skin over it does not hide it, since its surface is what one sees
+      // there.
       if (PointDistanceSquared(skin, from, to) < radius2 || PointDistanceSquared(joints[j], from, to) < radius2)
         continue;
       hidden[j] = 1;

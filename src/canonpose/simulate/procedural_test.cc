@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A clip and where its joints are.
+// A clip and the positions of its joints.
 struct Played {
   ArticulatedMotion motion;
   std::vector<std::vector<Vector3d>> positions;                   // (T)(J)
@@ -26,7 +26,7 @@ struct Played {
   [[nodiscard]] const Vector3d& At(int frame, int joint) const {
     return positions[static_cast<std::size_t>(frame)][static_cast<std::size_t>(joint)];
   }
-  // Flexion at a joint between its neighbours, degrees; 0 is straight.
+  // The flexion of a joint, from the positions of its neighbours, in degrees; 0 is straight.
   [[nodiscard]] double Bend(int frame, int above, int joint, int below) const {
     const Vector3d upper = (At(frame, joint) - At(frame, above)).normalized();
     const Vector3d lower = (At(frame, below) - At(frame, joint)).normalized();
@@ -43,7 +43,7 @@ struct Played {
     return std::min({At(frame, LegJoint(kBLHeel, side)).z(), At(frame, LegJoint(kBLBigToe, side)).z(),
                      At(frame, LegJoint(kBLSmallToe, side)).z()});
   }
-  // Forward of the body, level.
+  // The body's forward direction, horizontal.
   [[nodiscard]] Vector3d Front(int frame) const {
     const Vector3d left = At(frame, kBLHip) - At(frame, kBRHip);
     return Vector3d(left.y(), -left.x(), 0).normalized();
@@ -96,7 +96,7 @@ TEST_P(EveryActivity, IsTheSameForTheSameSeedsOnly) {
     difference = std::max(difference, a.parent_from_joint[i].angularDistance(c.parent_from_joint[i]));
   }
   EXPECT_GT(difference, 0.2);
-  // The person stays the same whatever it does.
+  // The person is the same in every activity.
   for (std::size_t j = 0; j < a.joints.size(); ++j) EXPECT_EQ(a.joints[j].offset_mm, c.joints[j].offset_mm);
 }
 
@@ -150,7 +150,7 @@ TEST_P(EveryActivity, MovesSmoothly) {
   const double limit = found == limits.end() ? 300.0 : found->second;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     EXPECT_LT(LargestAcceleration(Play(GetParam(), seed)), limit) << "seed " << seed;
-    // A jump of velocity would be an acceleration eight times as large at eight times the rate.
+    // A jump in velocity would make the acceleration eight times as large at eight times the frame rate.
     EXPECT_LT(LargestAcceleration(Play(GetParam(), seed, 400.0, 3000)), 3.0 * limit) << "seed " << seed;
   }
 }
@@ -168,7 +168,8 @@ TEST_P(EveryActivity, StaysAboveTheGround) {
   }
 }
 
-// The longest way an ankle or the ball of a foot goes while the foot stands: low and slow for at least 0.15 s.
+// The longest distance that an ankle or the ball of a foot moves while the foot stands, which means low and slow for at
+// least 0.15 s.
 double LargestSlide(const Played& played, int side, int& stances) {
   const int ball = LegJoint(kBLToes, side);
   double largest = 0.0;
@@ -178,7 +179,7 @@ double LargestSlide(const Played& played, int side, int& stances) {
     const bool stands = played.At(f, ball).z() < 22.0 && velocity.norm() < 0.35;
     if (stands && begin < 0) begin = f;
     if (stands || begin < 0) continue;
-    // The first and last frame of a stance are still those of landing and leaving.
+    // The first and last frames of a stance still belong to landing and leaving.
     if (f - begin >= 8) {
       ++stances;
       for (int g = begin + 3; g < f - 3; ++g) {

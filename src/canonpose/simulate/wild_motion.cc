@@ -56,8 +56,8 @@ class SmoothTurn {
   std::array<SmoothNoise, 3> noises_;
 };
 
-/// Where a limb points away from hanging down and how it is turned about itself and bent; `outwards` is away from the
-/// body.
+/// The direction of a limb relative to hanging down, its rotation about itself and its bend; `outwards` is away from
+/// the body.
 struct LimbPose {
   double forward;
   double outwards;
@@ -81,7 +81,7 @@ LimbPose AnyArm(Rng& rng) {
 
 LimbPose AnyLeg(Rng& rng) {
   const double forward = RadFromDeg(rng.Uniform(-25.0, 115.0));
-  // A thigh that is lifted usually comes with a bent knee.
+  // A lifted thigh usually comes with a bent knee.
   const double most = std::max(RadFromDeg(30.0), std::min(kMaxKnee, forward + RadFromDeg(60.0)));
   return {forward, RadFromDeg(rng.Uniform(-8.0, 45.0)), RadFromDeg(rng.Uniform(-25.0, 25.0)), rng.Uniform(0.0, most)};
 }
@@ -129,7 +129,7 @@ constexpr std::array<int, 4> kSpineJoints = {kBLumbar, kBSpine, kBNeck, kBUpperN
 
 void MoveSpine(const WildOptions& options, ArticulatedMotion& motion, Rng& rng) {
   const double noise = RadFromDeg(options.trunk_noise_deg) * rng.Uniform();
-  // Bent forward far, backward a little.
+  // Far forward, or a little backward.
   const double bend = Happens(options.trunk_bent, rng) ? RadFromDeg(rng.Uniform(-20.0, 50.0)) : 0.0;
   std::vector<SmoothTurn> turns;
   for (std::size_t i = 0; i < kSpineJoints.size(); ++i) turns.emplace_back(noise, motion.fps, rng);
@@ -164,7 +164,7 @@ void MoveLimbs(const WildOptions& options, ArticulatedMotion& motion, Rng& rng) 
   }
 }
 
-/// Any rotation, evenly over all of them (Shoemake 1992).
+/// A rotation from the uniform distribution over all rotations (Shoemake 1992).
 Quaterniond AnyRotation(Rng& rng) {
   Eigen::Vector4d q{rng.Normal(), rng.Normal(), rng.Normal(), rng.Normal()};
   q.normalize();
@@ -183,7 +183,7 @@ void TiltBody(const WildOptions& options, ArticulatedMotion& motion, Rng& rng) {
 }
 
 void RequireProcedural(const ArticulatedMotion& motion) {
-  CANONPOSE_CHECK(motion.joint_count() == kBodyJointCount, "{} has {} joints in place of {}", motion.name,
+  CANONPOSE_CHECK(motion.joint_count() == kBodyJointCount, "{} has {} joints instead of {}", motion.name,
                   motion.joint_count(), +kBodyJointCount);
 }
 

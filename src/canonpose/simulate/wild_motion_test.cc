@@ -12,7 +12,7 @@
 namespace canonpose {
 namespace {
 
-/// Nothing is changed.
+/// Options that change nothing.
 WildOptions Tame() { return {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}; }
 
 ArticulatedMotion Make(Activity activity, std::uint64_t seed, int frames = 40) {

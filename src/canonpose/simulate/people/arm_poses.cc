@@ -9,9 +9,10 @@ using Eigen::Vector3d;
 
 struct Entry {
   ArmPose pose;
-  double wrist[3];  // from the shoulder, of the left arm, in arm lengths; of the stature for poses at the body
+  double wrist[3];  // of the left arm, from the shoulder, in arm lengths; as fractions of the stature for poses at the
+                    // body
   double elbow[3];  // where the elbow points
-  bool of_stature;  // the hand is at a place of the body, whatever the arm's length
+  bool of_stature;  // the hand is at a point of the body, whatever the arm's length
 };
 
 constexpr std::array<Entry, 20> kEntries = {{
@@ -61,7 +62,7 @@ ArmAngles AnglesOf(Stage& stage, ArmPose pose) {
 
 ArmAngles RandomArm(Stage& stage) {
   ArmAngles angles{};
-  // Directions spread over the sphere rather than over the angles: few straight up or down.
+  // Directions are distributed over the sphere rather than over the angles, so few are straight up or down.
   const double raised = std::acos(stage.Uniform(-0.97, 0.98));
   const double plane = RadFromDeg(stage.Uniform(-42.0, 128.0));
   angles.flex = raised * std::cos(plane);

@@ -16,7 +16,7 @@ void TrunkTo(Stage& stage, double start, double duration, double pitch, double f
   stage.MoveTo(kTrunkTwist, start, duration, twist);
 }
 
-// Upper body: arms and trunk take new places beat after beat.
+// Upper body: arms and trunk move to new positions beat after beat.
 void DanceAbove(Stage& stage, double from, double to) {
   double t = from;
   while (t < to) {
@@ -101,7 +101,7 @@ LegPose RandomLeg(Stage& stage) {
             RadFromDeg(stage.Uniform(0.0, 35.0))};
   }
   if (chance < 0.85) {
-    // Sole at the other knee, as a tree stands.
+    // Sole at the other knee: the tree pose.
     return {RadFromDeg(stage.Uniform(30.0, 42.0)), RadFromDeg(14.0), RadFromDeg(stage.Uniform(105.0, 125.0)),
             RadFromDeg(35.0), RadFromDeg(stage.Uniform(35.0, 60.0))};
   }
@@ -110,14 +110,14 @@ LegPose RandomLeg(Stage& stage) {
           RadFromDeg(stage.Uniform(5.0, 95.0)), RadFromDeg(stage.Uniform(20.0, 50.0))};
 }
 
-// On one leg for a moment, or long enough to move the other.
+// On one leg for a moment, or long enough to move the other leg.
 double BalanceOnOne(Stage& stage, double t) {
   const int side = stage.RandomSide();
   const double up = stage.Beat(stage.Uniform(0.35, 0.8));
   const LegPose pose = RandomLeg(stage);
   LiftLeg(stage, side, t + 0.2, up, pose);
   if (pose.flex < 0.0 || (pose.abd > RadFromDeg(25.0) && stage.Chance(0.5))) {
-    // The trunk tips against the leg.
+    // The trunk tips in the direction opposite to the leg.
     const double tip = RadFromDeg(stage.Uniform(15.0, 60.0));
     if (pose.flex < 0.0) {
       stage.MoveTo(kPelvisPitch, t, up, tip);
@@ -215,7 +215,7 @@ double WideStance(Stage& stage, double t) {
   return WalkTo(stage, t + 0.2, FinalSpot(stage));
 }
 
-// A long step to the front or the back leg bent deep, arms anywhere.
+// A long step with the front or the back leg deeply bent, arms anywhere.
 double Lunge(Stage& stage, double t) {
   const int side = stage.RandomSide();
   const double length = stage.Tall(stage.Uniform(0.3, 0.5));
@@ -247,7 +247,7 @@ double Leap(Stage& stage, double t) {
   return DoJump(stage, t, jump);
 }
 
-// As on a ladder: one hand high and the other knee up, by turns.
+// As on a ladder: alternately one hand high and the other knee up.
 double Climb(Stage& stage, double t) {
   int side = stage.RandomSide();
   const int count = 2 + static_cast<int>(stage.rng().Index(4));

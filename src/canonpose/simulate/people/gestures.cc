@@ -1,4 +1,4 @@
-// What people do with their arms while they stand, sit or walk.
+// Gestures of people who stand, sit or walk.
 #include <cmath>
 
 #include "canonpose/simulate/people/activities.h"
@@ -117,7 +117,7 @@ double Circle(Stage& stage, double t, double seconds) {
   return t + 0.3 + seconds;
 }
 
-// Hands that go along with talking.
+// Hands that accompany talking.
 double Talk(Stage& stage, double t, double seconds) {
   const double end = t + seconds;
   const bool both = stage.Chance(0.65);
@@ -157,7 +157,7 @@ double Anything(Stage& stage, double t, double seconds) {
   return t + std::max(seconds * 0.7, reach);
 }
 
-// Legs and trunk of somebody who stands about.
+// Legs and trunk of somebody who stands around.
 void StandAbout(Stage& stage) {
   for (double t = stage.Uniform(0.5, 2.0); t < stage.seconds(); t += stage.Uniform(1.5, 4.5)) {
     const double duration = stage.Beat(0.9);
@@ -209,7 +209,7 @@ void PerformGesture(Stage& stage) {
     const double begun = t;
     t = stage.Chance(0.12) ? Box(stage, t, seconds) : MakeGesture(stage, t, seconds);
     if (t > walk_at) {
-      // To another place, while the gesture goes on.
+      // To another place, while the gesture continues.
       ShiftWeight(stage, kLeft, begun, 0.6, 0.0);
       const double arrived = WalkTo(stage, begun + 0.5, NearbySpot(stage, 1400.0, 900.0));
       walk_at = arrived + stage.Uniform(1.5, 6.0);

@@ -1,4 +1,4 @@
-// Jumps, and what goes down on the legs: squats, lunges, kneeling.
+// Jumps, squats, lunges and kneeling.
 #include <cmath>
 
 #include "canonpose/simulate/people/activities.h"
@@ -34,7 +34,7 @@ double JumpUp(Stage& stage, double t, bool squat_jump) {
 double LongJump(Stage& stage, double t) {
   Jump jump{};
   const Spot spot = FinalSpot(stage);
-  // Not out of the room: towards the side where the origin is.
+  // Stays in the room by moving to the side of the origin.
   const double towards = -(spot.x * std::cos(spot.yaw) + spot.y * std::sin(spot.yaw));
   const double sign = towards >= 0.0 || std::hypot(spot.x, spot.y) < 300.0 ? 1.0 : -1.0;
   jump.height = stage.Tall(stage.Uniform(0.10, 0.18));
@@ -95,7 +95,7 @@ double HopSeveral(Stage& stage, double t) {
              RadFromDeg(stage.Uniform(55.0, 110.0))});
     t += 0.8;
   }
-  // On one leg the other is held up all the time: the pelvis bounces, the hopping foot follows.
+  // Hopping on one leg, the other is held up all the time: the pelvis bounces and the hopping foot follows.
   for (int i = 0; i < count; ++i) {
     if (!one_leg) {
       Jump jump{};
@@ -190,7 +190,7 @@ double DoLunge(Stage& stage, double t) {
   stage.MoveTo(kTrunkTwist, t + 0.3, step, turn);
   BendTrunk(stage, t + 0.2, step, RadFromDeg(stage.Uniform(-2.0, 14.0)) + (choice < 0.75 ? 0.0 : RadFromDeg(18.0)),
             RadFromDeg(stage.Uniform(-5.0, 20.0)));
-  // The heel behind comes up.
+  // The rear heel comes up.
   const int behind = ahead > 0.0 ? 1 - side : side;
   const double heel = choice < 0.75 ? RadFromDeg(stage.Uniform(35.0, 60.0)) : 0.0;
   stage.MoveTo(Of(kFootPitch, behind), t + 0.5 * step, 0.7 * step, heel);
@@ -206,7 +206,7 @@ double DoLunge(Stage& stage, double t) {
   return t + back + 0.1;
 }
 
-// Down on one knee, now and then on both, and up again.
+// Down on one knee, sometimes on both, and up again.
 double DoKneel(Stage& stage, double t) {
   const int down_side = stage.RandomSide();
   const auto i = Body::Index(down_side);
@@ -240,7 +240,7 @@ double DoKneel(Stage& stage, double t) {
   return t + 1.7;
 }
 
-// Knee under the hip and shank on the floor, seen from a pelvis pitched forward.
+// Knee under the hip and shank on the floor, relative to a pelvis pitched forward.
 LegPose KneelingLeg(double pitch) {
   return {pitch - RadFromDeg(45.0), RadFromDeg(3.0), RadFromDeg(90.0), RadFromDeg(55.0)};
 }

@@ -9,7 +9,7 @@
 namespace canonpose {
 namespace {
 
-// What the walker is up to for a while: velocity in its own frame, mm/s.
+// What the walker does for a while: velocity in the walker's own frame, mm/s.
 struct Leg {
   double until;
   double ahead;
@@ -46,8 +46,8 @@ std::vector<Leg> PlanLegs(Stage& stage, bool running) {
   return legs;
 }
 
-// The pelvis' path through a room: towards one place after the other, with limited turns. Velocities and turns pass
-// through two first order lags, so that accelerations are smooth.
+// The pelvis' path through a room, from one goal to the next with limited turning rates. Velocities and turning rates
+// pass through two first-order lags, so that accelerations are smooth.
 void WalkThroughRoom(Stage& stage, const std::vector<Leg>& legs, double radius, double max_turn) {
   double x = 0.0;
   double y = 0.0;
@@ -73,9 +73,9 @@ void WalkThroughRoom(Stage& stage, const std::vector<Leg>& legs, double radius, 
     }
     const double moving = std::hypot(legs[leg].ahead, legs[leg].left);
     const double offset = moving > 0.0 ? std::atan2(legs[leg].left, legs[leg].ahead) : 0.0;
-    const double wish = std::remainder(std::atan2(goal_y - y, goal_x - x) - offset - yaw, 2 * kPi);
+    const double to_goal = std::remainder(std::atan2(goal_y - y, goal_x - x) - offset - yaw, 2 * kPi);
     const double limit = max_turn * (moving > 0.0 ? 1.0 : 0.0);
-    const double wanted_turn = std::clamp(1.6 * wish, -limit, limit);
+    const double wanted_turn = std::clamp(1.6 * to_goal, -limit, limit);
     // Slower in sharp turns, as people do.
     const double ease = 1.0 - 0.45 * std::abs(turn[1]) / max_turn;
     ahead[0] += lag * (legs[leg].ahead * ease - ahead[0]);
@@ -88,7 +88,7 @@ void WalkThroughRoom(Stage& stage, const std::vector<Leg>& legs, double radius, 
     stage[kPelvisX][i] += x;
     stage[kPelvisY][i] += y;
     stage[kPelvisYaw][i] += yaw;
-    // The body leans into a turn: the pelvis runs inside of the feet.
+    // The body leans into a turn, with the pelvis on the inside of the feet.
     const double lean = std::atan(ahead[1] * turn[1] / 9810.0);
     stage[kSway][i] += 0.8 * std::sin(lean) * stage.Tall(0.5);
     stage[kPelvisRoll][i] += 0.8 * lean;
@@ -103,7 +103,7 @@ struct ArmSwing {
   double elbow[2];
 };
 
-// Arms and trunk swing against the legs.
+// Arms and trunk swing opposite to the legs.
 void SwingAlong(Stage& stage, const std::vector<double>& left_ahead, const ArmSwing& swing,
                 const std::array<std::vector<double>, 2>& busy, double pelvis_turn, double trunk_turn) {
   for (std::size_t f = 0; f < left_ahead.size(); ++f) {
@@ -119,7 +119,7 @@ void SwingAlong(Stage& stage, const std::vector<double>& left_ahead, const ArmSw
   }
 }
 
-// Now and then a hand does something else.
+// Sometimes a hand does something else.
 std::array<std::vector<double>, 2> BusyHands(Stage& stage, double chance) {
   std::array<std::vector<double>, 2> busy;
   for (std::vector<double>& hand : busy) hand.assign(static_cast<std::size_t>(stage.frames()), 0.0);

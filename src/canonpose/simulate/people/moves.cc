@@ -10,7 +10,7 @@ namespace {
 
 double Wrapped(double angle) { return std::remainder(angle, 2 * kPi); }
 
-// When a jump's phases are.
+// The times of a jump's phases.
 struct JumpTimes {
   double start;
   double bottom;
@@ -25,7 +25,7 @@ JumpTimes TimesOf(Stage& stage, double start, const Jump& jump) {
   JumpTimes times{};
   times.velocity = std::sqrt(2 * kGravityMmPerS2 * jump.height);
   const double flight = 2 * times.velocity / kGravityMmPerS2;
-  // Pushing lasts as long as the way needs at somewhat more than half the takeoff's velocity.
+  // Pushing off takes as long as the distance needs at somewhat more than half the takeoff velocity.
   const double push = std::clamp(1.75 * (jump.crouch + stage.Tall(0.04)) / times.velocity, 0.12, 0.45);
   times.start = start;
   times.bottom = start + (jump.bounce ? 0.16 : stage.Beat(0.42));
@@ -53,7 +53,7 @@ void FlyLegs(Stage& stage, const JumpTimes& times, const Jump& jump) {
   const double flight = times.landing - times.takeoff;
   for (const int side : {kLeft, kRight}) {
     const LegPose& pose = side == kLeft ? jump.left_leg : jump.right_leg;
-    // The free leg begins and ends as the planted one is then: nearly straight under the pelvis, toes down.
+    // The free leg begins and ends like the planted one at these times: nearly straight under the pelvis, toes down.
     stage.MoveTo(Of(kLegFlex, side), times.takeoff - 0.40, 0.02, RadFromDeg(0.0));
     stage.MoveTo(Of(kLegAbd, side), times.takeoff - 0.40, 0.02, RadFromDeg(2.0));
     stage.MoveTo(Of(kKnee, side), times.takeoff - 0.40, 0.02, RadFromDeg(10.0));
@@ -193,7 +193,7 @@ double DoJump(Stage& stage, double start, const Jump& jump) {
   const double flight = times.landing - times.takeoff;
   const Spot spot = FinalSpot(stage);
   for (const int side : {kLeft, kRight}) {
-    // Both feet land as far from the pelvis as they stood, turned with it.
+    // Both feet land at their previous positions relative to the pelvis, which may have turned.
     const double across = SideSign(side) * (stage.style().stance_half_width + 0.5 * jump.feet_apart);
     const double moved = 0.9 * flight;
     stage.MoveTo(Of(kFootX, side), times.takeoff + 0.05 * flight, moved, spot.x - std::sin(spot.yaw) * across);

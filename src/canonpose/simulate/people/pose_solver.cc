@@ -12,7 +12,7 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// A planted leg is not stretched further than this share of its length (a knee of about 9 degrees).
+// A planted leg is not stretched beyond this fraction of its length (a knee flexion of about 9 degrees).
 constexpr double kStretch = 0.9965;
 constexpr double kMaxKnee = RadFromDeg(148.0);
 constexpr double kMaxElbow = RadFromDeg(145.0);
@@ -41,10 +41,10 @@ Quaterniond FromRotationVector(const Vector3d& vector) {
 // Forward flexion, bend to the left and twist to the left as one rotation.
 Quaterniond Bend(double flex, double side, double twist) { return FromRotationVector({-side, flex, twist}); }
 
-// The rotation by the shortest way from straight down to a unit direction; straight up is the only singular one.
+// The smallest rotation from straight down to a unit direction; only straight up is singular.
 Quaterniond FromDown(const Vector3d& direction) { return Quaterniond::FromTwoVectors(Vector3d(0, 0, -1), direction); }
 
-// Angle at the middle joint of two links whose ends are `distance` apart; 0 where they are straight.
+// Angle at the middle joint of two links whose ends are `distance` apart; 0 if they are straight.
 double BendOf(double first, double second, double distance) {
   const double cosine = (first * first + second * second - distance * distance) / (2 * first * second);
   return kPi - std::acos(std::clamp(cosine, -1.0, 1.0));
@@ -52,7 +52,7 @@ double BendOf(double first, double second, double distance) {
 double DistanceAt(double first, double second, double bend) {
   return std::sqrt(first * first + second * second + 2 * first * second * std::cos(bend));
 }
-// A distance that two links can span with a bend from a little to `max_bend`.
+// A distance that two links can span with a bend between a small one and `max_bend`.
 double SpannableDistance(double first, double second, double distance, double max_bend) {
   const double length = first + second;
   return SoftClamp(distance, DistanceAt(first, second, max_bend), 0.998 * length, 0.014 * length);
@@ -77,7 +77,7 @@ class Solver {
  public:
   explicit Solver(const Stage& stage) : stage_(stage), body_(stage.body()) { tall_ = body_.stature; }
 
-  // Everything but the arms' last rotations, which StoreArms() adds for all frames together.
+  // Everything except the arms' final rotations, which StoreArms() adds for all frames together.
   void Solve(int frame, double lowered, Vector3d& root, Quaterniond* local) {
     frame_ = static_cast<std::size_t>(frame);
     local_ = local;
@@ -89,7 +89,7 @@ class Solver {
     for (const int side : {kLeft, kRight}) SolveArm(side);
   }
 
-  // Giving way is smoothed over time: an arm swerves ahead of what is in its way.
+  // Avoiding obstacles is smoothed over time, so that an arm starts to swerve before it reaches them.
   void StoreArms(std::vector<Quaterniond>& local) {
     const int half = std::max(1, static_cast<int>(std::lround(0.10 * stage_.fps())));
     std::vector<double> kernel;
@@ -112,7 +112,7 @@ class Solver {
     }
   }
 
-  // How far the pelvis has to come down for the planted feet to be reached.
+  // How far the pelvis must be lowered for the legs to reach the planted feet.
   double Deficit(int frame) {
     frame_ = static_cast<std::size_t>(frame);
     SolvePelvis(0.0);
@@ -148,7 +148,7 @@ class Solver {
     return pelvis_ + world_from_pelvis_ * Vector3d(0, SideSign(side) * body_.hip_width / 2, 0);
   }
 
-  // The foot on the ground rolls over the ball where the heel is up and over the heel where the toes are.
+  // A foot on the ground rolls over the ball when the heel is up, and over the heel when the toes are up.
   [[nodiscard]] Foot PlantedFoot(int side, double extra_pitch) const {
     const std::size_t i = Body::Index(side);
     if (stage_.boots()) return SkiBoot(side);
@@ -172,7 +172,7 @@ class Solver {
     return foot;
   }
 
-  // The channels are the ankle itself.
+  // The channels give the position of the ankle itself.
   [[nodiscard]] Foot SkiBoot(int side) const {
     Foot foot;
     foot.ankle = {Get(Of(kFootX, side)), Get(Of(kFootY, side)), Get(Of(kFootLift, side))};
@@ -216,7 +216,7 @@ class Solver {
     return world_from_pelvis_ * local_[hip_joint] * local_[hip_joint + 1];
   }
 
-  // How far a foot in the air would be under the ground.
+  // How far a foot in the air would be below the ground.
   [[nodiscard]] double Sunken(int side, const Vector3d& ankle, const Quaterniond& world_from_foot) const {
     const std::size_t i = Body::Index(side);
     const double height = body_.ankle_height[i];
@@ -273,7 +273,7 @@ class Solver {
     PlaceTrunk();
   }
 
-  // Positions of what arms may run into.
+  // Positions of the parts of the body that arms may run into.
   void PlaceTrunk() {
     const auto& joints = body_.joints;
     const Quaterniond lumbar = world_from_pelvis_ * local_[kBLumbar];
@@ -303,18 +303,18 @@ class Solver {
     double radius;
   };
 
-  // Moves a point of a limb of some thickness softly out of an obstacle.
+  // Smoothly moves a point of a limb of a certain thickness out of an obstacle.
   void PushOut(const Obstacle& obstacle, double thickness, Vector3d& point) const {
     const Vector3d axis = obstacle.to - obstacle.from;
     const double along = std::clamp((point - obstacle.from).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
     const Vector3d away = point - (obstacle.from + along * axis);
     const double distance = away.norm();
     const double depth = SoftPositive(obstacle.radius + thickness - distance, 0.012 * tall_);
-    // Rounded at the axis, where the way out changes sides.
+    // Smoothed at the axis, where the direction of avoidance changes sides.
     if (depth > 0.0) point += away * (depth / std::hypot(distance, 0.015 * tall_));
   }
 
-  // Elbow and wrist outside of trunk, head and thighs, the lengths kept.
+  // Moves elbow and wrist out of trunk, head and thighs while keeping the arm's lengths.
   void Evade(int side, const Vector3d& shoulder, Vector3d& elbow, Vector3d& wrist) const {
     const std::size_t i = Body::Index(side);
     for (int round = 0; round < 4; ++round) {
@@ -335,7 +335,7 @@ class Solver {
     if (!stage_.boots()) point.z() += SoftPositive(0.02 * tall_ - point.z(), 0.012 * tall_);
   }
 
-  // Bends the elbow so that the wrist is at a place, the elbow staying on the side where it was.
+  // Bends the elbow so that the wrist is at a place, and keeps the elbow on its side.
   void BringWrist(int side, const Vector3d& shoulder, const Vector3d& target, Vector3d& elbow, Vector3d& wrist) const {
     const std::size_t i = Body::Index(side);
     const double upper = body_.upper_arm[i];
@@ -343,7 +343,7 @@ class Solver {
     const Vector3d reach = target - shoulder;
     const Vector3d along = reach.normalized();
     const double distance = SpannableDistance(upper, fore, reach.norm(), kMaxElbow);
-    // Where the elbow was, and a little down and out, which is never along a straight arm for long.
+    // The elbow's previous direction, and a little down and out, which is rarely along a straight arm.
     const Vector3d pole = (elbow - shoulder) / upper + world_from_thorax_ * Vector3d(-0.5, 0.3 * SideSign(side), -0.5);
     const Vector3d out = (pole - pole.dot(along) * along).normalized();
     const double bend = BendOf(upper, fore, distance);
@@ -391,7 +391,7 @@ class Solver {
       Vector3d elbow_there = elbow;
       Vector3d wrist_there = wrist;
       BringWrist(side, shoulder, hand, elbow_there, wrist_there);
-      // Between the two by the directions of upper arm and forearm.
+      // Interpolates between the two by the directions of upper arm and forearm.
       const Vector3d fore = (1.0 - weight) * (wrist - elbow) + weight * (wrist_there - elbow_there);
       elbow = shoulder + ((1.0 - weight) * elbow + weight * elbow_there - shoulder).normalized() * body_.upper_arm[i];
       wrist = elbow + fore.normalized() * body_.forearm[i];
@@ -406,7 +406,7 @@ class Solver {
     local_[first] = clavicle;
   }
 
-  // An arm in the world at one frame, and how it has to give way to the trunk.
+  // An arm in the world in one frame, and how it must avoid the trunk.
   struct ArmLine {
     Vector3d upper;
     Vector3d fore;
@@ -416,14 +416,14 @@ class Solver {
     Vector3d front;  // of the elbow when the arm is straight
   };
 
-  // Shorter than a unit direction, so that adding it never leaves no direction at all.
+  // Shorter than a unit vector, so that adding it to one never gives zero.
   static Vector3d Bounded(const Vector3d& evasion) { return evasion / std::sqrt(1.0 + evasion.squaredNorm() / 0.72); }
 
   // Rotations of shoulder and elbow from the directions of upper arm and forearm; `local` begins at the clavicle.
   static void StoreArm(const ArmLine& line, const Vector3d& upper, const Vector3d& fore, Quaterniond* local) {
     Vector3d front = fore - fore.dot(upper) * upper;
     const double bend = std::atan2(front.norm(), fore.dot(upper));
-    // A straight arm has no plane of its own, nor has one folded flat.
+    // Neither a straight arm nor a completely folded one defines a plane.
     const double flat = SoftPositive(-fore.dot(upper) - 0.75, 0.1);
     front = bend < 1e-5 ? line.front : Vector3d(front + 2.5 * flat * line.front);
     local[1] = line.world_from_clavicle.conjugate() * LimbFrame(upper, front);

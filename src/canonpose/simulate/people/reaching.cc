@@ -23,7 +23,7 @@ void Straighten(Stage& stage, double start, double duration) {
   stage.MoveTo(kSurge, start, duration, 0.0);
 }
 
-// A place in the world, seen from where the pelvis stands.
+// A place in the world, relative to the pelvis.
 struct Target {
   double ahead;
   double left;
@@ -34,7 +34,7 @@ void HandTo(Stage& stage, int side, double start, double duration, const Target&
   const Spot spot = FinalSpot(stage);
   const double x = spot.x + std::cos(spot.yaw) * target.ahead - std::sin(spot.yaw) * target.left;
   const double y = spot.y + std::sin(spot.yaw) * target.ahead + std::cos(spot.yaw) * target.left;
-  // Before the hand's place has any weight it may change at once.
+  // As long as the hand's place has no weight, it may change abruptly.
   const double begin = jump_there ? start - 0.03 : start;
   const double took = jump_there ? 0.02 : duration;
   stage.MoveTo(Of(kHandX, side), begin, took, x);
@@ -43,7 +43,7 @@ void HandTo(Stage& stage, int side, double start, double duration, const Target&
   if (jump_there) stage.MoveTo(Of(kHandWeight, side), start, duration, 1.0);
 }
 
-// Down to the floor, by bending the knees or the back, with one hand or both; what is picked up may be carried.
+// Picks something up from the floor, by bending the knees or the back, with one hand or both, and may carry it.
 double PickUp(Stage& stage, double t) {
   const bool both = stage.Chance(0.45);
   const int one = stage.RandomSide();
@@ -84,7 +84,7 @@ double PickUp(Stage& stage, double t) {
   return t;
 }
 
-// To something at any height and side, the trunk going along.
+// Reaches for something at any height and on any side, with the trunk following.
 double ReachOut(Stage& stage, double t) {
   const bool both = stage.Chance(0.25);
   const int one = stage.RandomSide();
@@ -129,7 +129,7 @@ double ReachOut(Stage& stage, double t) {
   return t + back * stage.Uniform(0.5, 1.0);
 }
 
-// The arm in a throw at its three moments, and what the trunk does.
+// The arm at the three key moments of a throw, and the motion of the trunk.
 struct Throw {
   ArmAngles back;
   ArmAngles release;
@@ -187,7 +187,7 @@ double DoThrow(Stage& stage, double t) {
   const double follow = stage.Uniform(0.28, 0.42);
   const double stride = stage.Tall(stage.Uniform(0.10, 0.30));
   const double release = t + wind + 0.15 + fling;
-  // Twisting away from the other side: to the right for a right-handed throw.
+  // Twists towards the throwing side: to the right for a right-handed throw.
   stage.MoveTo(kTrunkTwist, t, wind, sign * -way.twist_back);
   stage.MoveTo(kNeckTwist, t, wind, sign * 0.8 * way.twist_back);
   stage.MoveTo(kTrunkSide, t, wind, sign * way.side);
@@ -221,7 +221,7 @@ double DoThrow(Stage& stage, double t) {
   return t + 0.6 * back;
 }
 
-// With both hands: from behind the head, from the chest, or as one who catches.
+// With both hands: from behind the head, from the chest, or catching.
 double ThrowWithBoth(Stage& stage, double t) {
   const bool overhead = stage.Chance(0.55);
   const double wind = stage.Beat(0.7);

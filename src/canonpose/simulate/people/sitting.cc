@@ -1,4 +1,4 @@
-// Sitting down on chairs and on the ground, being seated, standing up.
+// Sitting down on chairs and on the ground, sitting, and standing up.
 #include <cmath>
 
 #include "canonpose/simulate/people/activities.h"
@@ -14,7 +14,7 @@ void Lean(Stage& stage, double start, double duration, double pitch, double flex
   stage.MoveTo(kNeckFlex, start, duration, stage.style().head_pitch - 0.45 * (pitch + flex));
 }
 
-// Wrists on the thighs; the thighs themselves keep them out.
+// Wrists on the thighs, which keep the wrists out of themselves.
 ArmAngles HandOnThigh(Stage& stage) {
   const double arm = stage.body().arm(kLeft);
   const double trunk = stage.body().trunk;
@@ -28,7 +28,7 @@ void HandsToLap(Stage& stage, double t) {
   for (const int side : {kLeft, kRight}) MoveArm(stage, side, t, stage.Beat(0.8), HandOnThigh(stage));
 }
 
-// One leg over the other, or the ankle on the other knee; returns when the foot is down again.
+// One leg over the other, or the ankle on the other knee; returns the time at which the foot is down again.
 void CrossLegs(Stage& stage, double t, double until) {
   const int side = stage.RandomSide();
   stage.MoveTo(Of(kLegFlex, side), t - 0.03, 0.03, RadFromDeg(48.0) + stage.Final(kPelvisPitch));
@@ -155,7 +155,7 @@ GroundSeat RandomGroundSeat(Stage& stage) {
             pitch,
             RadFromDeg(25.0)};
   }
-  // Straight legs, one of them bent now and then.
+  // Straight legs, one of them sometimes bent.
   const double spread = RadFromDeg(stage.Uniform(3.0, 28.0));
   const LegPose straight{RadFromDeg(87.0), spread, RadFromDeg(stage.Uniform(5.0, 20.0)), RadFromDeg(15.0),
                          RadFromDeg(10.0)};
@@ -166,13 +166,13 @@ GroundSeat RandomGroundSeat(Stage& stage) {
   return {left ? bent : straight, right ? bent : straight, pitch, RadFromDeg(stage.Uniform(5.0, 40.0))};
 }
 
-// The legs' angles count from the pelvis, the ground does not pitch with it.
+// The legs' angles are relative to the pelvis, but the ground does not pitch with it.
 LegPose OnGround(LegPose pose, double pitch) {
   pose.flex += pitch;
   return pose;
 }
 
-// Down on the back from the ground, arms and legs moving, and up to the seat again.
+// From sitting on the ground down onto the back, with arms and legs moving, and up again.
 double LieDown(Stage& stage, double t) {
   const double down = stage.Beat(1.6);
   const double pitch = -RadFromDeg(stage.Uniform(74.0, 84.0));

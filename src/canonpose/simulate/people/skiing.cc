@@ -18,13 +18,13 @@ struct SkierStyle {
   double heading;
   double turn_seconds;  // of one turn to one side
   double inclination;   // the largest
-  double stretch;       // of the outer leg, as a share of its length
+  double stretch;       // of the outer leg, as a fraction of its length
   double stretch_range;
   double stretch_phase;
   double crouch_pitch;  // of the pelvis
   double crouch_flex;   // of the trunk
-  double angulation;    // how much of the inclination the trunk takes back
-  double facing;        // how much of the turn the trunk takes back
+  double angulation;    // how much of the inclination the trunk compensates
+  double facing;        // how much of the turn the trunk compensates
   double width;         // between the feet, mm
   double lead;          // of the inner ski, mm
 };
@@ -61,7 +61,8 @@ Angles AnglesOf(const Matrix3d& world_from_body) {
   return {std::atan2(front.y(), front.x()), pitch, roll};
 }
 
-// Where the skis are and how the turn presses, at one time; x is down the slope's horizontal, y to the left.
+// The position of the skis and the forces of the turn at one time; x is the horizontal direction down the slope, y is
+// to the left.
 struct Turn {
   Vector3d place;
   Vector3d front;   // along the skis
@@ -79,7 +80,7 @@ class Skier {
 
   void Ski() {
     const double rate = kPi / skier_.turn_seconds;
-    // Sideways amplitude for which the largest turn asks for the largest inclination.
+    // The lateral amplitude for which the sharpest turn requires the largest inclination.
     const double amplitude = kGravityMmPerS2 * std::cos(skier_.slope) * std::tan(skier_.inclination) / (rate * rate);
     const double speed = amplitude * rate * stage_.Uniform(1.6, 2.2);
     double phase = phase_;
@@ -109,7 +110,7 @@ class Skier {
  private:
   void Put(int channel, int frame, double value) { stage_[channel][static_cast<std::size_t>(frame)] += value; }
 
-  // Turned by the run's heading.
+  // Rotated by the run's heading.
   void PutPlace(int x, int y, int frame, const Vector3d& place) {
     Put(x, frame, std::cos(skier_.heading) * place.x() - std::sin(skier_.heading) * place.y());
     Put(y, frame, std::sin(skier_.heading) * place.x() + std::cos(skier_.heading) * place.y());
@@ -143,7 +144,7 @@ class Skier {
   }
 
   void PutPelvis(int frame, const Turn& turn, double swing) {
-    // The pelvis leans less than the legs and looks down the slope a little.
+    // The pelvis leans less than the legs and faces slightly down the slope.
     const double lean = turn.lean * (1.0 - 0.25 * skier_.angulation);
     Matrix3d skis;
     skis.col(0) = turn.front;
@@ -162,7 +163,7 @@ class Skier {
   void PutBoot(int frame, int side, const Turn& turn, const Vector3d& left, const Vector3d& up) {
     const double sign = SideSign(side);
     const double inside = std::sin(turn.lean);
-    // Leaning, the feet stand apart along the slope; the inner ski is ahead.
+    // When leaning, the feet are apart along the slope, with the inner ski ahead.
     const double apart = sign * 0.5 * skier_.width * (1.0 + 0.6 * inside * inside);
     const double ahead = sign * inside * skier_.lead;
     const Vector3d ankle =
@@ -198,7 +199,7 @@ void PerformSki(Stage& stage) {
   stage.Add(kTrunkFlex, skier.skier().crouch_flex);
   stage.Add(kNeckFlex, -0.55 * (skier.skier().crouch_flex + skier.skier().crouch_pitch));
   stage.Waver(kTrunkFlex, RadFromDeg(5.0), 0.8);
-  // Hands forward and apart with the poles, each with its own habit; a pole plant where turns change.
+  // Hands with the poles forward and apart, each with its own habit; a pole plant between turns.
   for (const int side : {kLeft, kRight}) {
     stage.Add(Of(kShoulderFlex, side), RadFromDeg(stage.Uniform(20.0, 48.0)));
     stage.Add(Of(kShoulderAbd, side), RadFromDeg(stage.Uniform(12.0, 38.0)));

@@ -120,10 +120,10 @@ void Stage::Waver(int channel, double amplitude, double hertz) {
   if (amplitude == 0.0) return;
   std::vector<double>& values = (*this)[channel];
   for (int wave = 0; wave < 3; ++wave) {
-    // Slow waves are larger, as in the sway of a standing person.
+    // Slower waves have larger amplitudes, as in the sway of a standing person.
     const double frequency = hertz * rng_.Uniform(0.1, 1.0);
     const double size = amplitude * 0.8 * rng_.Normal() / (0.6 + frequency / hertz);
-    // sin(a + b) from sin(a) by a rotation: one sine and cosine a wave and not one a frame.
+    // sin(a + b) from sin(a) by a rotation: one sine and cosine per wave instead of per frame.
     const double step = 2 * kPi * frequency / fps_;
     const double cosine = std::cos(step);
     const double sine = std::sin(step);

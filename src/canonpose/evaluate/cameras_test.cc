@@ -55,9 +55,9 @@ TEST(CameraComparisonTest, ALensBesideTheMiddleIsATurnedCamera) {
   const double shift_px = 1000.0 * std::tan(0.02);
   for (std::size_t v = 0; v < 2; ++v) {
     CameraView& view = dataset.sequences[0].cameras[v];
-    view.solved_calibration = view.calibration;  // takes pixel (0, 0) for the optical axis
+    view.solved_calibration = view.calibration;  // uses pixel (0, 0) as the optical axis
     view.calibration[0].K(0, 2) = v == 0 ? 0.0 : shift_px;
-    // The true camera's axis lies to the right of the one solved for.
+    // The true camera's axis is to the right of the solved one.
     if (v == 1)
       view.calibration[0].camera_from_world_rotation = CameraOf(1000.0, 1.0 - 0.02).camera_from_world_rotation;
   }

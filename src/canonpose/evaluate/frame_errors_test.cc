@@ -27,7 +27,7 @@ FrameErrors Sample() {
   return frame_errors;
 }
 
-TEST(FrameErrorsTest, CsvHasARowAPose) {
+TEST(FrameErrorsTest, CsvHasOneRowPerPose) {
   const TemporaryFolder folder;
   Sample().Write(folder / "errors.csv", {"Hip", "A", "B"});
   EXPECT_EQ(ReadFile(folder / "errors.csv"),

@@ -1,4 +1,4 @@
-// The 3D poses that predictions are compared with: the file's truth, or what its calibration gives by triangulation.
+// The 3D poses with which predictions are compared: the file's truth, or a triangulation with its calibration.
 #pragma once
 
 #include <string>
@@ -12,14 +12,14 @@ namespace canonpose {
 
 class ReferencePoses {
  public:
-  /// Truth where the file has any, otherwise TriangulateSequence(). Throws Error(kBadInput) naming `file` where there
-  /// is neither truth nor calibration.
+  /// Truth if the file has any, otherwise TriangulateSequence(). Throws Error(kBadInput) that names `file` if there is
+  /// neither truth nor calibration.
   ReferencePoses(const Dataset& dataset, const std::string& file);
 
   /// In the order of the dataset's sequences.
   [[nodiscard]] const std::vector<SequencePoses>& sequences() const { return sequences_; }
   [[nodiscard]] bool triangulated() const { return triangulated_; }
-  /// Of every triangulated joint in every view that sees it.
+  /// The errors of every triangulated joint in every view that sees it.
   [[nodiscard]] const std::vector<double>& reprojection_errors_px() const { return reprojection_errors_px_; }
 
  private:
@@ -28,7 +28,7 @@ class ReferencePoses {
   std::vector<double> reprojection_errors_px_;
 };
 
-/// What to say about the references of several files together.
+/// Summarises the references of several files for the report.
 class ReferenceSummary {
  public:
   void Add(const ReferencePoses& reference);

@@ -58,8 +58,8 @@ ArticulatedMotion WriteAndRead(const ArticulatedMotion& motion, double unit_mm) 
   return ReadBvh(folder / "clip.bvh", unit_mm);
 }
 
-/// A chain of 12 joints a metre apart with side branches and leaves of every kind, turned at random; every third
-/// rotation is at or next to the angles where z and y turn about the same axis.
+/// A chain of 12 joints one metre apart, with side branches and leaves of every kind and random rotations; every third
+/// rotation is at or near gimbal lock, where z and y rotate about the same axis.
 ArticulatedMotion RandomMotion(int frames) {
   ArticulatedMotion motion;
   motion.fps = 50.0;
@@ -71,7 +71,7 @@ ArticulatedMotion RandomMotion(int frames) {
   motion.joints.push_back({"link 4_end", 4, Vector3d(1, 2, 3)});  // not the only child
   motion.joints.push_back({"hand", 2, Vector3d(10, 0, 0)});
   motion.joints.push_back({"hand_end", 16, Vector3d::Zero()});
-  motion.joints.push_back({"leaf_end", 1, Vector3d(0, 40, 0)});  // the end of nothing
+  motion.joints.push_back({"leaf_end", 1, Vector3d(0, 40, 0)});  // not the end of a joint "leaf"
   Rng rng(5);
   for (int t = 0; t < frames; ++t) {
     motion.root_position_mm.emplace_back(rng.Uniform(-5000, 5000), rng.Uniform(-5000, 5000), rng.Uniform(0, 2000));
@@ -91,15 +91,15 @@ ArticulatedMotion RandomMotion(int frames) {
   return motion;
 }
 
-TEST(WriteBvh, NamesAndPositionsComeBackAlsoDeepInTheTreeAndNearGimbalLock) {
+TEST(WriteBvh, NamesAndPositionsComeBackEvenDeepInTheTreeAndNearGimbalLock) {
   const ArticulatedMotion motion = RandomMotion(300);
   const ArticulatedMotion read = WriteAndRead(motion, 10.0);
   EXPECT_LT(LargestDifference(motion, read), 0.01);
   EXPECT_EQ(read.fps, 50.0);
 }
 
-TEST(WriteBvh, AnglesGoOnFromFrameToFrame) {
-  // Two whole turns about the upright, tilted by more than a right angle on the way.
+TEST(WriteBvh, AnglesAreContinuousOverFrames) {
+  // Two full turns about the vertical axis, with a tilt that exceeds a right angle on the way.
   ArticulatedMotion motion;
   motion.fps = 100.0;
   motion.joints = {{"root", -1, Vector3d::Zero()}, {"root_end", 0, Vector3d(0, 0, 1700)}};
@@ -128,7 +128,7 @@ TEST(WriteBvh, AnglesGoOnFromFrameToFrame) {
       before[i] = value;
     }
   }
-  EXPECT_GT(reached, 181.0);  // as angles that are cut at half a turn never do
+  EXPECT_GT(reached, 181.0);  // so angles are not limited to half a turn
   EXPECT_LT(LargestDifference(motion, ReadBvh(folder / "turn.bvh")), 0.01);
 }
 
@@ -137,14 +137,14 @@ TEST(WriteBvh, LeavesTheOldFileWhereItCannotWrite) {
               ::testing::HasSubstr("/nonexistent/a.bvh"));
 }
 
-// The two readers against each other: what one reads of a recorded clip, the other reads of the file written from it.
+// Compares the two readers: what one reads from a recorded clip, the other reads from the file written from it.
 TEST(WriteBvh, RecordedClipsComeBackThroughTheOtherReader) {
   CANONPOSE_SKIP_WITHOUT_SHARED("data/cmu");
   const std::vector<std::filesystem::path> files = FindMotionFiles({Shared("data/cmu")});
   ASSERT_FALSE(files.empty());
   for (const std::filesystem::path& file : files) {
     ArticulatedMotion motion = ReadMotion(file);
-    // Every 23rd frame, so that all clips take a second or two.
+    // Every 23rd frame, so that the test takes only a second or two.
     std::size_t kept = 0;
     const std::size_t joints = motion.joints.size();
     for (std::size_t t = 0; t < motion.root_position_mm.size(); t += 23, ++kept) {
@@ -155,7 +155,7 @@ TEST(WriteBvh, RecordedClipsComeBackThroughTheOtherReader) {
     }
     motion.root_position_mm.resize(kept);
     motion.parent_from_joint.resize(kept * joints);
-    const ArticulatedMotion read = WriteAndRead(motion, 0.0);  // and so is the unit recognised
+    const ArticulatedMotion read = WriteAndRead(motion, 0.0);  // which also recognises the unit
     EXPECT_LT(LargestDifference(motion, read), kToleranceMm) << file;
     const LandmarkTrack before = MakeLandmarkTrack(motion, "before");
     const LandmarkTrack after = MakeLandmarkTrack(read, "after");

@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, KeypointFiles,
                                            RoundTrip{"openpose", "coco-18"}, RoundTrip{"alphapose", "halpe-26"},
                                            RoundTrip{"alphapose", "coco-17"}));
 
-TEST(KeypointFiles, AFolderThatIsThereIsKept) {
+TEST(KeypointFiles, AnExistingFolderIsKept) {
   const TemporaryFolder folder;
   fs::create_directories(folder / "cam");
   std::ofstream(folder / "cam" / "mine.json") << "{}";

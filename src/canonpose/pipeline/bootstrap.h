@@ -1,17 +1,19 @@
 // What self-calibration starts from: rough poses of every view.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
 #include "canonpose/data/dataset.h"
 #include "canonpose/solve/observations.h"
-#include "canonpose/train/options.h"
 
 namespace canonpose {
 
 struct BootstrapOptions {
-  std::string kind = "auto";    ///< TrainOptions::bootstrap
+  /// auto, starter (the lifter that comes with the program), method (a lifter trained now on the dataset itself) or
+  /// factorisation (no lifter; static cameras).
+  std::string kind = "auto";
   std::filesystem::path model;  ///< a model or run to start from instead; empty: none
   /// Where `method` trains; a run that was interrupted there goes on. Empty: a temporary folder.
   std::filesystem::path run_folder;

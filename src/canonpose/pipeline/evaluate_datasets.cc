@@ -1,4 +1,4 @@
-#include "canonpose/cli/evaluate_datasets.h"
+#include "canonpose/pipeline/evaluate_datasets.h"
 
 #include <algorithm>
 #include <limits>
@@ -174,7 +174,7 @@ void Run::ThrowNothingLeft() const {
   const std::string file = job_.files.front().string();
   if (sequences_too_short_ > 0) {
     ThrowBadInput({file, "", fmt::format("{}, as {} evaluates", PosesInWords(protocol), protocol.name), "none of them",
-                   "choose --frames that hold some"});
+                   "choose `frames` that hold some"});
   }
   std::vector<std::string> subjects = left_out_subjects_;
   std::sort(subjects.begin(), subjects.end());
@@ -182,7 +182,7 @@ void Run::ThrowNothingLeft() const {
   ThrowBadInput({file, "",
                  fmt::format("subjects {}, whom {} evaluates", fmt::join(protocol.subjects, " and "), protocol.name),
                  subjects.empty() ? "no sequences" : fmt::format("{}", fmt::join(subjects, ", ")),
-                 fmt::format("give the data of these subjects, or --protocol {}", kAllFrames)});
+                 fmt::format("give the data of these subjects, or `protocol={}`", kAllFrames)});
 }
 
 EvaluationReport Run::Finish() {
@@ -202,7 +202,7 @@ Predictor SolvedPoses() {
   return {[](const Dataset& dataset, const std::string& file) {
             if (dataset.HasSolved()) return;
             ThrowBadInput({file, "", "solved poses, since no model was given", "none",
-                           "name a model before the data, or give --triangulate"});
+                           "name a model before the data, or give `triangulate`"});
           },
           [](const Sequence& sequence, std::size_t camera) {
             return PredictedPoses{sequence.cameras[camera].solved, {}};
@@ -222,7 +222,7 @@ Predictor TriangulatedPoses() {
             }
             if (!dataset.HasCalibration()) {
               ThrowBadInput(
-                  {file, "", "calibrated cameras to triangulate from", "none", "import the data with --calibration"});
+                  {file, "", "calibrated cameras to triangulate from", "none", "import the data with `calibration`"});
             }
           },
           [cache](const Sequence& sequence, std::size_t camera) {

@@ -1,10 +1,10 @@
-#include "canonpose/cli/best.h"
+#include "canonpose/pipeline/solve_then_train.h"
 
 #include <fmt/format.h>
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/log.h"
-#include "canonpose/cli/bootstrap.h"
+#include "canonpose/pipeline/bootstrap.h"
 #include "canonpose/solve/solver.h"
 #include "canonpose/train/run_folder.h"
 
@@ -19,7 +19,7 @@ Dataset SolvedDataset(const TrainJob& job, std::size_t number) {
   if (job.resume && fs::exists(file)) {
     Dataset solved = ReadDataset(file);
     if (solved.Fingerprint() == dataset.Fingerprint()) return solved;
-    LogInfo("{} is of other data: solving again", file.string());
+    LogInfo("{} was solved from other data: solving again", file.string());
   }
   BootstrapOptions bootstrap;
   bootstrap.kind = job.options.bootstrap;
@@ -41,8 +41,8 @@ Dataset SolvedDataset(const TrainJob& job, std::size_t number) {
 
 }  // namespace
 
-TrainReport TrainBest(TrainJob job) {
-  // Before minutes of work: is the folder free, or to be gone on with?
+TrainReport SolveThenTrain(TrainJob job) {
+  // Minutes of work follow: first check that the folder may be written to.
   PrepareRunFolder(job.run_folder, job.resume, job.overwrite);
   for (std::size_t i = 0; i < job.datasets.size(); ++i) {
     if (!job.datasets[i].HasSolved()) job.datasets[i] = SolvedDataset(job, i);

@@ -1,4 +1,4 @@
-#include "canonpose/cli/bootstrap.h"
+#include "canonpose/pipeline/lifter_start.h"
 
 #include <algorithm>
 #include <array>
@@ -7,15 +7,11 @@
 #include <optional>
 #include <vector>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/temporary_folder.h"
 #include "canonpose/lift/lifter.h"
 #include "canonpose/skeleton/mapping.h"
-#include "canonpose/solve/factorisation.h"
 #include "canonpose/train/starter.h"
 #include "canonpose/train/trainer.h"
 
@@ -74,8 +70,15 @@ CameraView MapView(const LayoutMapping& mapping, const CameraView& view) {
   return mapped;
 }
 
-/// The starter lifts its own joints, whatever the recording's are.
-StartPoses LiftWithStarter(const Dataset& dataset, const std::string& device) {
+}  // namespace
+
+bool StarterCanStart(const Skeleton& skeleton) { return StarterKnows(skeleton); }
+
+StartPoses StartFromModel(const Dataset& dataset, const std::string& file, const BootstrapOptions& options) {
+  return LiftAll(PoseLifter::Open(options.model, options.device), dataset, file);
+}
+
+StartPoses StartFromStarter(const Dataset& dataset, const std::string& device) {
   const PoseLifter starter = PoseLifter::Of(BuiltinStarter(), "the starter", device);
   const LayoutMapping to_starter = MapWhatCanBe(dataset.skeleton, starter.skeleton());
   const LayoutMapping from_starter = MapWhatCanBe(starter.skeleton(), dataset.skeleton);
@@ -90,7 +93,7 @@ StartPoses LiftWithStarter(const Dataset& dataset, const std::string& device) {
   return start;
 }
 
-StartPoses BootstrapByMethod(const Dataset& dataset, const std::string& file, const BootstrapOptions& options) {
+StartPoses StartFromMethod(const Dataset& dataset, const std::string& file, const BootstrapOptions& options) {
   std::optional<TemporaryFolder> scratch;
   TrainJob job;
   job.datasets = {dataset};
@@ -105,24 +108,6 @@ StartPoses BootstrapByMethod(const Dataset& dataset, const std::string& file, co
   const TrainReport report = Train(job);
   if (report.stopped) throw Error(ErrorKind::kStopped, "stopped while training the lifter to start from");
   return LiftAll(PoseLifter::Open(job.run_folder, options.device), dataset, file);
-}
-
-}  // namespace
-
-StartPoses Bootstrap(const Dataset& dataset, const std::string& file, const BootstrapOptions& options) {
-  if (!options.model.empty()) return LiftAll(PoseLifter::Open(options.model, options.device), dataset, file);
-  const bool knows = StarterKnows(dataset.skeleton);
-  const bool stands = std::ranges::all_of(dataset.sequences, &Sequence::static_cameras);
-  if (options.kind == "starter" && !knows) {
-    ThrowBadInput({file, "/skeleton", "a person's joints, by the names of a built-in skeleton",
-                   fmt::format("{}", fmt::join(dataset.skeleton.joints, ", ")),
-                   "choose another --bootstrap, or name a model that was trained on such data"});
-  }
-  if (options.kind == "factorisation" || (options.kind == "auto" && !knows && stands)) {
-    return FactorisedStart(dataset, file);
-  }
-  if (options.kind == "method" || !knows) return BootstrapByMethod(dataset, file, options);
-  return LiftWithStarter(dataset, options.device);
 }
 
 }  // namespace canonpose

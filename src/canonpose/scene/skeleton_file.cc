@@ -1,4 +1,4 @@
-#include "canonpose/data/skeleton_file.h"
+#include "canonpose/scene/skeleton_file.h"
 
 #include <limits>
 

@@ -24,10 +24,12 @@ struct CameraView {
   /// (T, J) uncertainty of a solved joint: the standard deviation in the most uncertain direction, in the unit of
   /// `solved`; empty, or NaN where not solved.
   std::vector<float> solved_uncertainty;
-  /// The cameras that `solve` found, one or T as in `calibration`, in the unit of `solved`: `solved` in camera c is R_c
-  /// x_in_world + t_c, and K projects it to pixels. Empty where there are none.
+  /// The cameras that `solve` found, one or T as in `calibration`. Their translations are in the unit of `solved`, not
+  /// millimetres: `solved` in camera c is R_c x_in_world + t_c, and K projects it to pixels. Empty where there are
+  /// none.
   std::vector<Camera> solved_calibration;
-  /// Calibration, for evaluation only: one camera, or T of them for a moving camera; empty where there is none.
+  /// Calibration, for evaluation only: one camera, or T of them for a moving camera, in millimetres; empty where there
+  /// is none.
   std::vector<Camera> calibration;
 
   [[nodiscard]] const Camera& CalibrationAt(int frame) const {

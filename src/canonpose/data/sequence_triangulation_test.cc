@@ -35,7 +35,7 @@ TEST(TriangulateSequence, AJointThatOneViewMissesIsUnknown) {
 TEST(TriangulateSequence, NearlyParallelRaysGiveNothing) {
   Dataset dataset = TwoCameras();
   dataset.sequences[0].cameras[1] = dataset.sequences[0].cameras[0];
-  dataset.sequences[0].cameras[1].calibration[0].camera_from_world_translation_mm.x() += 50.0;
+  dataset.sequences[0].cameras[1].calibration[0].camera_from_world_translation.x() += 50.0;
   EXPECT_TRUE(std::isnan(TriangulateSequence(dataset.sequences[0], 3).poses_in_camera[0][0]));
 }
 

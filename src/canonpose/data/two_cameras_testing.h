@@ -15,7 +15,7 @@ inline Dataset TwoCameras() {
     camera.K << 1000, 0, 500, 0, 1000, 500, 0, 0, 1;
     camera.distortion = {-0.05, 0.01, 0.001, 0.0};
     if (c == 1) camera.camera_from_world_rotation << 0, 0, 1, 0, 1, 0, -1, 0, 0;
-    camera.camera_from_world_translation_mm = {0, 0, 4000};
+    camera.camera_from_world_translation = {0, 0, 4000};
     CameraView view;
     view.name = c == 0 ? "a" : "b";
     view.image_size = {1000, 1000};

@@ -18,7 +18,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 TEST(CameraTest, ProjectsByHand) {
   Camera camera;
   camera.K << 1000.0, 0.0, 500.0, 0.0, 1000.0, 400.0, 0.0, 0.0, 1.0;
-  camera.camera_from_world_translation_mm = {0.0, 0.0, 1000.0};
+  camera.camera_from_world_translation = {0.0, 0.0, 1000.0};
   EXPECT_TRUE(camera.Project({100.0, -200.0, 1000.0}).isApprox(Eigen::Vector2d(550.0, 300.0)));
   EXPECT_TRUE(std::isnan(camera.Project({100.0, -200.0, -1000.5}).x())) << "a point behind the camera has no pixel";
 }

@@ -60,7 +60,7 @@ TEST(TriangulationTest, APointBehindACameraIsReported) {
   const Camera a = CameraAround(0.0, 1000.0);
   const Camera b = CameraAround(0.0, 1000.0);
   Camera beside = b;
-  beside.camera_from_world_translation_mm.x() = -500.0;
+  beside.camera_from_world_translation.x() = -500.0;
   // Rays that diverge in front of the cameras meet behind them.
   const std::vector<PointObservation> observations = {{&a, {400.0, 480.0}, 1.0}, {&beside, {600.0, 480.0}, 1.0}};
   const TriangulatedPoint found = Triangulate(observations);
@@ -90,7 +90,7 @@ std::vector<PointRay> RaysTo(const Eigen::Vector3d& point, int count, double noi
     const Camera camera = CameraAround(2.0 * i, 4000.0);
     const Eigen::Vector3d in_camera = camera.InCamera(point);
     const Eigen::Vector2d off = noise * Eigen::Vector2d(rng.Normal(), rng.Normal());
-    rays.push_back({camera.camera_from_world_rotation, camera.camera_from_world_translation_mm,
+    rays.push_back({camera.camera_from_world_rotation, camera.camera_from_world_translation,
                     (in_camera.head<2>() + off) / in_camera.z(), std::max(noise, 1.0)});
   }
   return rays;
@@ -146,7 +146,7 @@ Camera CameraOf(const nlohmann::json& entry) {
       camera.K(r, c) = entry["K"][r][c];
       camera.camera_from_world_rotation(r, c) = entry["R"][r][c];
     }
-    camera.camera_from_world_translation_mm[r] = entry["t"][r];
+    camera.camera_from_world_translation[r] = entry["t"][r];
     camera.distortion[static_cast<std::size_t>(r)] = entry["distortion"][r];
   }
   camera.distortion[3] = entry["distortion"][3];

@@ -91,7 +91,7 @@ class LabelsFile {
     const Eigen::Matrix3d camera_from_world = rotations_are_camera_from_world_ ? R : Matrix3(R.transpose());
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(camera_from_world, Eigen::ComputeFullU | Eigen::ComputeFullV);
     row.camera.camera_from_world_rotation = svd.matrixU() * svd.matrixV().transpose();
-    row.camera.camera_from_world_translation_mm = -(row.camera.camera_from_world_rotation * row.place);
+    row.camera.camera_from_world_translation = -(row.camera.camera_from_world_rotation * row.place);
     return row;
   }
 
@@ -320,7 +320,7 @@ CameraView MakeView(int cam, const std::map<int, Row>& rows, const std::vector<i
     auto nearest = rows.lower_bound(number);
     if (nearest == rows.end()) nearest = std::prev(nearest);
     Camera camera = nearest->second.camera;
-    camera.camera_from_world_translation_mm *= mm;
+    camera.camera_from_world_translation *= mm;
     view.calibration.push_back(camera);
     const bool is_seen = nearest->first == number;
     const Points3d points =

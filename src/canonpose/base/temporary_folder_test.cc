@@ -1,19 +1,16 @@
 #include "canonpose/base/temporary_folder.h"
 
 #include <cerrno>
-#include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <system_error>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "canonpose/base/testing.h"
 
 namespace canonpose {
 namespace {
-
-using testing::ErrorOf;
-using ::testing::HasSubstr;
 
 TEST(TemporaryFolder, IsRemovedWithWhatItHolds) {
   namespace fs = std::filesystem;

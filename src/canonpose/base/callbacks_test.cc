@@ -20,7 +20,7 @@ using testing::CollectedMessages;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-TEST(Callbacks, WithoutAnyWorkIsSilentAndGoesOn) {
+TEST(Callbacks, WithoutAnyWorkIsSilentAndContinues) {
   ::testing::internal::CaptureStderr();
   ::testing::internal::CaptureStdout();
   LogWarning("nobody hears");

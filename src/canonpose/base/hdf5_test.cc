@@ -89,7 +89,7 @@ void WriteRaw(const std::filesystem::path& path, hid_t type, const void* value) 
   H5Fclose(file);
 }
 
-TEST(Hdf5, WholeNumbersAreNotCutToFit) {
+TEST(Hdf5, WholeNumbersAreNotClamped) {
   const TemporaryFolder folder;
   const auto read = [&] { return File::OpenForReading(folder / "a.h5").root().GetInt("x"); };
   for (const double value : {1.9, 1e300, -1e19, double{NAN}}) {
@@ -146,7 +146,7 @@ TEST(Hdf5, StringsAreWrittenWithVariableLengthAndBothKindsAreRead) {
   EXPECT_EQ(File::OpenForReading(folder / "b.h5").root().GetString("x"), "of fixed length");
 }
 
-TEST(Hdf5, PathsThatCannotBeLookedAtAreOneLine) {
+TEST(Hdf5, UnreadablePathsAreOneLine) {
   const std::filesystem::path path = "/tmp/" + std::string(300, 'x');
   EXPECT_FALSE(File::IsHdf5(path));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)File::OpenForReading(path); }),

@@ -139,7 +139,7 @@ TEST(ImportDetections, ConfidencesAboveOneAreScaled) {
   EXPECT_THAT(ImportLog(options), HasSubstr("all are divided by this value"));
 }
 
-TEST(ImportDetections, AWildConfidenceIsRefused) {
+TEST(ImportDetections, AnAbsurdConfidenceIsRefused) {
   const auto error_with = [](const std::string& confidence) {
     const Copy copy;
     std::string text = ReadFile(copy.Frame(2, 3));
@@ -155,7 +155,7 @@ TEST(ImportDetections, AWildConfidenceIsRefused) {
   EXPECT_THAT(error_with("60.5"), AllOf(HasSubstr("99 % of which are at most"), HasSubstr("found 60.5")));
 }
 
-TEST(ImportDetections, LargeConfidencesOfAlphaPoseAreNoWildOnes) {
+TEST(ImportDetections, LargeConfidencesOfAlphaPoseAreAccepted) {
   const TemporaryFolder folder;
   fs::copy(TestData("detections/alphapose"), folder / "in", fs::copy_options::recursive);
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder / "in")) {
@@ -362,7 +362,7 @@ TEST(ImportDetections, KeypointsOutsideTheImageAreAWarning) {
               AllOf(HasSubstr("lie far outside an image of 320x240"), HasSubstr("width comes first")));
 }
 
-TEST(ImportDetections, ACalibrationMustHaveEveryCamera) {
+TEST(ImportDetections, ACalibrationMustContainEveryCamera) {
   const TemporaryFolder folder;
   ImportOptions options = OpenPose();
   options.image_size = {0, 0};
@@ -457,7 +457,7 @@ TEST(ReadSingleCamera, ReadsAsTheImportDid) {
   }
 }
 
-TEST(ReadSingleCamera, SeveralCamerasMustBeChosenFrom) {
+TEST(ReadSingleCamera, WithSeveralCamerasOneMustBeChosen) {
   SingleCameraOptions options;
   const fs::path path = TestData("detections/openpose");
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadSingleCamera(path, options); }),
@@ -470,7 +470,7 @@ TEST(ReadSingleCamera, SeveralCamerasMustBeChosenFrom) {
   EXPECT_EQ(single.skeleton.name, "body_25");
 }
 
-TEST(ReadSingleCamera, ANamedCameraMustBeTheOneThatIsThere) {
+TEST(ReadSingleCamera, ANamedCameraMustExist) {
   SingleCameraOptions options;
   options.camera = "cam9";
   const fs::path path = TestData("detections/openpose/cam1");

@@ -50,7 +50,7 @@ TEST(CameraComparisonTest, OnlyRelativeRotationsCount) {
   EXPECT_NEAR(off.Medians()->focal_percent, 10.0, 1e-9);
 }
 
-TEST(CameraComparisonTest, ALensBesideTheMiddleIsATurnedCamera) {
+TEST(CameraComparisonTest, AnOffCentreLensIsARotatedCamera) {
   Dataset dataset = TwoCameras();
   const double shift_px = 1000.0 * std::tan(0.02);
   for (std::size_t v = 0; v < 2; ++v) {
@@ -67,7 +67,7 @@ TEST(CameraComparisonTest, ALensBesideTheMiddleIsATurnedCamera) {
   EXPECT_NEAR(comparison.Medians()->centred_rotation_deg, 0.0, 1e-6);
 }
 
-TEST(CameraComparisonTest, NothingToCompareIsNothing) {
+TEST(CameraComparisonTest, WithoutCamerasToCompareThereIsNoResult) {
   CameraComparison comparison;
   comparison.Add(TwoCameras());
   EXPECT_FALSE(comparison.Medians());

@@ -36,7 +36,7 @@ TEST(FrameErrorsTest, CsvHasOneRowPerPose) {
             "S9,cam2,128,,5.0000,251.1250,500.2500,1\n");
 }
 
-TEST(FrameErrorsTest, NpzHasTheJointsToo) {
+TEST(FrameErrorsTest, NpzAlsoHasTheJoints) {
   const TemporaryFolder folder;
   Sample().Write(folder / "errors.npz", {"Hip", "A", "B"});
   const NpzReader reader(folder / "errors.npz");

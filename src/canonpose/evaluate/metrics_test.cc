@@ -76,7 +76,7 @@ TEST(MetricsTest, PckAucAndCpsByHand) {
   EXPECT_DOUBLE_EQ(mean.cps, (200.0 + 0.0) / 2.0);
 }
 
-TEST(MetricsTest, CurvesAreSharesBelowEachThreshold) {
+TEST(MetricsTest, CurvesAreFractionsBelowEachThreshold) {
   PoseErrors a;
   a.outcome = PoseOutcome::kEvaluated;
   a.scaled_mm = {0.0, 299.5, 150.0, 700.0};
@@ -116,7 +116,7 @@ TEST(MetricsTest, PckCountsOnlyTheGivenJoints) {
   EXPECT_DOUBLE_EQ(of_pose.largest_aligned_mm, 2.0);
 }
 
-TEST(MetricsTest, GroupsCountTheSameWhateverTheirSize) {
+TEST(MetricsTest, GroupsHaveEqualWeightsWhateverTheirSize) {
   PoseErrors good;
   good.outcome = PoseOutcome::kEvaluated;
   good.scaled_mm = {0.0, 10.0};
@@ -139,7 +139,7 @@ TEST(MetricsTest, GroupsCountTheSameWhateverTheirSize) {
   EXPECT_DOUBLE_EQ(mean.joints[1].p_mpjpe_mm, 52.5);
 }
 
-TEST(MetricsTest, CpsIsTheAreaUnderTheShareOfCorrectPoses) {
+TEST(MetricsTest, CpsIsTheAreaUnderTheFractionOfCorrectPoses) {
   Rng rng(1);
   MetricSum sum;
   std::vector<double> largest_mm;
@@ -179,7 +179,7 @@ TEST(MetricsTest, InvariantToWhatTheyShouldBe) {
   }
 }
 
-TEST(MetricsTest, APerfectPoseHasNoErrorAndAMirroredOneALarge) {
+TEST(MetricsTest, APerfectPoseHasNoErrorAndAMirroredPoseALargeOne) {
   Rng rng(3);
   const Pose truth = RandomPose(rng);
   const PoseErrors perfect = Compare(Transformed(truth, 0.01, Eigen::Matrix3d::Identity(), {1.0, 2.0, 3.0}), truth);
@@ -202,7 +202,7 @@ TEST(MetricsTest, DepthsAreComparedAfterScalingByTheImagePlaneAlone) {
   }
 }
 
-TEST(MetricsTest, UnknownJointsTakeNoPart) {
+TEST(MetricsTest, UnknownJointsAreIgnored) {
   Rng rng(4);
   const Pose truth = RandomPose(rng);
   const Pose predicted = RandomPose(rng);

@@ -50,7 +50,7 @@ TEST(ProtocolTest, EveryValueIsDescribedInWords) {
   EXPECT_EQ(HeadlineName(FindProtocol("3dhp")), "PCK150");
 }
 
-TEST(ProtocolTest, TakesOfAnActionAreOneWhereTheProtocolSaysSo) {
+TEST(ProtocolTest, TakesOfAnActionAreMergedIfTheProtocolSaysSo) {
   const Protocol& human = FindProtocol("h36m-1");
   EXPECT_EQ(ActionOf(human, "Walking 1"), "Walking");
   EXPECT_EQ(ActionOf(human, "Walking"), "Walking");

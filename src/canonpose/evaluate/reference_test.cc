@@ -27,7 +27,7 @@ TEST(ReferenceTest, IsTriangulatedWithoutTruth) {
   EXPECT_EQ(summary.Kind().description, "triangulated from the calibration");
 }
 
-TEST(ReferenceTest, TruthGoesBeforeCalibration) {
+TEST(ReferenceTest, TruthTakesPrecedenceOverCalibration) {
   Dataset dataset = TwoCameras();
   dataset.sequences[0].cameras[0].truth.assign(9, 1.0F);
   const ReferencePoses reference(dataset, "a.h5");

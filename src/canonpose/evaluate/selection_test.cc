@@ -50,7 +50,7 @@ TEST(SelectionTest, SubjectsAndFrames) {
   EXPECT_EQ(selection.FrameNumber(2), 10);
 }
 
-TEST(SelectionTest, FramesCountFromTheFilesFirst) {
+TEST(SelectionTest, FramesAreCountedFromTheFilesFirstFrame) {
   Dataset dataset;
   dataset.sequences.push_back(Recorded("S9", 7, 10));  // as after KeepFrames() with 7-16
   dataset.sequences.push_back(Recorded("S11", 7, 4));  // 7 to 10
@@ -64,7 +64,7 @@ TEST(SelectionTest, FramesCountFromTheFilesFirst) {
   EXPECT_TRUE(dataset.sequences.empty()) << "there is no frame 12";
 }
 
-TEST(SelectionTest, ActionsGoWithTheirFrames) {
+TEST(SelectionTest, ActionsStayWithTheirFrames) {
   Dataset dataset;
   dataset.sequences.push_back(Recorded("S9", 0, 11));
   Sequence& sequence = dataset.sequences.front();

@@ -56,7 +56,7 @@ struct RoundTrip {
 
 class KeypointFiles : public ::testing::TestWithParam<RoundTrip> {};
 
-TEST_P(KeypointFiles, ComeBackThroughImportAsTheDatasetHasThem) {
+TEST_P(KeypointFiles, AreImportedAsInTheDataset) {
   const auto& [format, layout] = GetParam();
   const TemporaryFolder folder;
   const SimulatedClip clip = Simulate(layout);

@@ -43,7 +43,7 @@ TEST(NormalisePose, MissingJointsAreZeroAndDoNotStretchTheOthers) {
   EXPECT_EQ(partial.confidence[4], 0.0F);
 }
 
-TEST(NormalisePose, RefusesWhatCannotBeUsed) {
+TEST(NormalisePose, RefusesUnusablePoses) {
   NormalisedPose pose;
   const float keypoints[] = {0, 0, 1, 0, 0, 1, 2, 2};
   const float no_root[] = {0, 1, 1, 1};

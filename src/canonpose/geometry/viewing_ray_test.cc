@@ -27,7 +27,7 @@ std::vector<float> Filmed(const std::vector<Eigen::Vector3d>& in_camera, const P
   return pixels;
 }
 
-TEST(RotationOntoAxis, IsTheLeastRotationThatTakesTheRayToTheAxis) {
+TEST(RotationOntoAxis, IsTheSmallestRotationThatTakesTheRayToTheAxis) {
   for (const Eigen::Vector3d& ray :
        {Eigen::Vector3d(0, 0, 2), Eigen::Vector3d(0.5, -0.3, 1), Eigen::Vector3d(-3, 1, 1)}) {
     const Eigen::Matrix3d rotation = RotationOntoAxis(ray);

@@ -17,7 +17,7 @@ TEST(ZUpFromYUp, TurnsUpToUpAndComesBack) {
   EXPECT_EQ(YUpFromZUp(ZUpFromYUp(v)), v);
 }
 
-TEST(ZUpFromYUp, OfARotationTurnsWhatItTurned) {
+TEST(ZUpFromYUp, ConvertsRotationsConsistently) {
   const Quaterniond q = Quaterniond(0.4, -0.3, 0.7, 0.5).normalized();
   const Vector3d v(1.0, 2.0, 3.0);
   EXPECT_LT((ZUpFromYUp(q) * ZUpFromYUp(v) - ZUpFromYUp(Vector3d(q * v))).norm(), 1e-12);

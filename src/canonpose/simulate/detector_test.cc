@@ -163,7 +163,7 @@ TEST(Detect, RepeatsBitForBit) {
   EXPECT_NE(a.confidence, c.confidence);
 }
 
-TEST(Detect, EachStrengthAtZeroLeavesItsKindOutAndMoreMeansMore) {
+TEST(Detect, EachStrengthAtZeroSwitchesItsKindOffAndMoreMeansMore) {
   struct Kind {
     double DetectorOptions::*strength;
     DetectionErrorKind kind;
@@ -187,7 +187,7 @@ TEST(Detect, EachStrengthAtZeroLeavesItsKindOutAndMoreMeansMore) {
   }
 }
 
-TEST(Detect, ChangingOneStrengthLeavesTheOtherErrorsAsTheyWere) {
+TEST(Detect, ChangingOneStrengthDoesNotChangeTheOtherErrors) {
   const Outcome usual = RunDetector(DetectorOptions{});
   for (const auto& [strength, kind] :
        {std::pair(&DetectorOptions::swaps, kSwapped), std::pair(&DetectorOptions::outliers, kOutlier),
@@ -364,7 +364,7 @@ TEST(Detect, UnsynchronisedCamerasShowMovingJointsElsewhere) {
   EXPECT_GT(std::abs(late_frames), 0.1);
 }
 
-TEST(DetectorOptions, RefusesWhatCannotBe) {
+TEST(DetectorOptions, RefusesInvalidValues) {
   for (const double value : {-1.0, 11.0, static_cast<double>(NAN)}) {
     DetectorOptions options;
     options.missed_joints = value;
@@ -374,7 +374,7 @@ TEST(DetectorOptions, RefusesWhatCannotBe) {
   DetectorOptions{}.Validate();
 }
 
-TEST(SmoothNoise, HasUnitVarianceFromTheFirstFrameAndTheCorrelationAsked) {
+TEST(SmoothNoise, HasUnitVarianceFromTheFirstFrameAndTheRequestedCorrelation) {
   Rng rng(1);
   double first = 0.0;
   double last = 0.0;

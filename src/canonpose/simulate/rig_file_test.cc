@@ -80,7 +80,7 @@ class RigFile : public ::testing::Test {
   const Json good_ = RigJson(Filmed("studio", track_));
 };
 
-TEST_F(RigFile, GivesTheCamerasThatWereWritten) {
+TEST_F(RigFile, ReadsTheCamerasThatWereWritten) {
   for (const char* kind : {"studio", "ptz"}) {
     const std::vector<FilmingCamera> written = Filmed(kind, track_);
     const std::unique_ptr<Rig> rig = Read(RigJson(written));
@@ -115,7 +115,7 @@ TEST_F(RigFile, TakesPositionAndTarget) {
   EXPECT_NEAR((cameras[1].cameras[0].Project({0, 0, 2000}) - Eigen::Vector2d(375, 400)).norm(), 0.0, 1e-9);
 }
 
-TEST_F(RigFile, RefusesCamerasThatCannotBe) {
+TEST_F(RigFile, RefusesInvalidCameras) {
   EXPECT_EQ(
       Refusal([](Json& j) {
         for (int c = 0; c < 3; ++c) j["cameras"][2]["R"][1][c] = -j["cameras"][2]["R"][1][c].get<double>();

@@ -109,7 +109,7 @@ TEST_P(RigKinds, TakeAnyNumberOfCamerasAndEverySpread) {
   }
 }
 
-TEST_P(RigKinds, KeepTheDistanceAskedForAndTheSubjectsSize) {
+TEST_P(RigKinds, KeepTheRequestedDistanceAndTheSubjectsSize) {
   const LandmarkTrack track = WalkInCircle(10, 25.0, 0.0);
   RigOptions options;
   options.kind = GetParam();
@@ -132,7 +132,7 @@ TEST_P(RigKinds, KeepTheDistanceAskedForAndTheSubjectsSize) {
   EXPECT_NEAR(far_size / own_size, 1.0, 0.25);
 }
 
-TEST_P(RigKinds, DistortSoThatEveryPixelCanBeUndone) {
+TEST_P(RigKinds, HaveInvertibleDistortion) {
   const LandmarkTrack track = WalkInCircle(30, 25.0);
   RigOptions options;
   options.kind = GetParam();
@@ -152,7 +152,7 @@ TEST_P(RigKinds, DistortSoThatEveryPixelCanBeUndone) {
   }
 }
 
-TEST(Rig, SpreadsCamerasAsAsked) {
+TEST(Rig, SpreadsCamerasAsRequested) {
   const LandmarkTrack track = WalkInCircle(1, 25.0, 0.0);
   const auto widest = [&](const char* spread, int count) {
     RigOptions options;
@@ -289,7 +289,7 @@ TEST(Rig, HandheldShakesAndWalks) {
   }
 }
 
-TEST(RigOptions, RefusesWhatCannotBe) {
+TEST(RigOptions, RefusesInvalidValues) {
   const auto message = [](ErrorKind code, auto&& change) {
     RigOptions options;
     change(options);

@@ -84,7 +84,7 @@ TEST(Simulator, SameSeedSameBitsWhateverTheThreads) {
   EXPECT_FALSE(SameValues(Simulator(other).Make(0).sequence.cameras[0].truth, one[0].sequence.cameras[0].truth));
 }
 
-TEST(Simulator, AClipDoesNotDependOnThoseBesideIt) {
+TEST(Simulator, AClipDoesNotDependOnOtherClips) {
   SimulationOptions more = Small();
   more.subjects = 3;
   EXPECT_TRUE(SameValues(Simulator(more).Make(3).sequence.cameras[1].keypoints,
@@ -130,7 +130,7 @@ TEST(Simulator, TheSubjectStandsUprightAndFacesEveryWay) {
   EXPECT_GT(facing + away, 8);
 }
 
-TEST(Simulator, ALayoutIsMappedAsImportDoes) {
+TEST(Simulator, ALayoutIsMappedAsByImport) {
   SimulationOptions options = Small();
   options.layout = "body_25b";
   options.detector.noise = 0.0;
@@ -188,7 +188,7 @@ TEST_P(DetectorOnPeople, HasTheErrorsOfModernDetectors) {
 
 INSTANTIATE_TEST_SUITE_P(Rigs, DetectorOnPeople, ::testing::Values("studio", "ring", "ptz", "handheld"));
 
-TEST(Simulator, MotionCaptureIsThinnedOutAndKeepsItsLimbs) {
+TEST(Simulator, MotionCaptureAtALowerRateKeepsItsLimbs) {
   CANONPOSE_SKIP_WITHOUT_SHARED("data/cmu");
   SimulationOptions options = Small();
   options.motion_files = {testing::Shared("data/cmu/02/02_01.amc")};

@@ -87,7 +87,7 @@ TEST(DetectorStatistics, SeesThatConfidencesReflectErrorsPerfectly) {
   EXPECT_GT(useless.ConfidenceAuc(), 0.5);
 }
 
-TEST(DetectorStatistics, MeasuresWhatWasPutIn) {
+TEST(DetectorStatistics, MeasuresKnownErrors) {
   LandmarkTrack track{"still", "figure", 50.0, {}};
   constexpr int kFrames = 100;
   const auto figure = testing::StandingFigure();

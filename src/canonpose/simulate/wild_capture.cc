@@ -86,7 +86,7 @@ JointSources FindSources(const Skeleton& skeleton, const std::string& layout_nam
                    "simulated people are of no use for it: train on the recording itself"});
   }
   if (layout_name.empty()) {
-    const Skeleton known = KnownJoints(skeleton, MapWhatCanBe(LandmarkSkeleton(), skeleton));
+    const Skeleton known = KnownJoints(skeleton, MapAvailableJoints(LandmarkSkeleton(), skeleton));
     LayoutMapping by_name{known, skeleton, {}};
     for (const std::string& joint : skeleton.joints) {
       const std::optional<int> source = known.Find(joint);
@@ -97,8 +97,8 @@ JointSources FindSources(const Skeleton& skeleton, const std::string& layout_nam
   const Skeleton* layout = FindLayout(layout_name);
   if (layout == nullptr)
     ThrowInvalidArgument("layout: expected one of {}, found \"{}\"", BuiltinSkeletonNames(), layout_name);
-  const Skeleton known = KnownJoints(*layout, MapWhatCanBe(LandmarkSkeleton(), *layout));
-  JointSources sources{MakeDetectorLayout(known), MapWhatCanBe(known, skeleton)};
+  const Skeleton known = KnownJoints(*layout, MapAvailableJoints(LandmarkSkeleton(), *layout));
+  JointSources sources{MakeDetectorLayout(known), MapAvailableJoints(known, skeleton)};
   if (!IsMade(sources.skeleton_from_layout, skeleton.root)) {
     ThrowBadInput({"", fmt::format("layout {}", layout_name), "a joint from which to make the root", "none",
                    "leave out the layout"});
@@ -241,7 +241,7 @@ Sequence MakeClip(const JointSources& sources, const WildCaptureOptions& options
 
 std::vector<std::uint8_t> KnownJointsOf(const Skeleton& skeleton) {
   std::vector<std::uint8_t> known;
-  for (const JointSource& joint : MapWhatCanBe(LandmarkSkeleton(), skeleton).joints) {
+  for (const JointSource& joint : MapAvailableJoints(LandmarkSkeleton(), skeleton).joints) {
     known.push_back(joint.sources.empty() ? 0 : 1);
   }
   return known;

@@ -69,7 +69,7 @@ TEST(WildCapture, EveryBuiltinSkeletonCanBeMade) {
 }
 
 // Checks the correlation of columns of the image with x / z of the truth, and of rows with y / z.
-TEST(WildCapture, KeypointsAreWhatTheTruthLooksLike) {
+TEST(WildCapture, KeypointsMatchTheTruth) {
   WildCaptureOptions options = Small();
   options.detector.noise = 0.0;
   for (int clip = 0; clip < options.clips; ++clip) {
@@ -106,7 +106,7 @@ TEST(WildCapture, ALayoutsDerivedJointsAreMeansOfOthers) {
   EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { MakeWildClip(Human(), options, 3); }), HasSubstr("coco-17"));
 }
 
-TEST(WildCapture, JointsThatNobodyKnowsAreNeverSeen) {
+TEST(WildCapture, UnknownJointsAreNeverSeen) {
   Skeleton skeleton = Human();
   skeleton.name = "";
   skeleton.joints.insert(skeleton.joints.begin() + 1, "tail");

@@ -30,7 +30,7 @@ std::vector<Eigen::Vector3d> Positions(const ArticulatedMotion& motion, int fram
   return positions;
 }
 
-TEST(WildMotion, KeepsRotationsAndHingesSound) {
+TEST(WildMotion, KeepsRotationsAndHingesValid) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     ArticulatedMotion motion = Make(Activity::kJump, seed);
     MakeWild(motion, {}, Rng(seed));

@@ -161,7 +161,7 @@ std::optional<int> FindPart(const Skeleton& layout, std::string_view part) {
   return PartFinder(layout).Own(std::string(part));
 }
 
-LayoutMapping MapWhatCanBe(const Skeleton& source, const Skeleton& target) {
+LayoutMapping MapAvailableJoints(const Skeleton& source, const Skeleton& target) {
   LayoutMapping mapping{source, target, {}};
   const PartFinder finder(source);
   const bool same = SameNames(source, target);
@@ -177,7 +177,7 @@ LayoutMapping MapWhatCanBe(const Skeleton& source, const Skeleton& target) {
 }
 
 LayoutMapping MapLayout(const Skeleton& source, const Skeleton& target) {
-  LayoutMapping mapping = MapWhatCanBe(source, target);
+  LayoutMapping mapping = MapAvailableJoints(source, target);
   std::vector<std::string> missing;
   for (std::size_t t = 0; t < mapping.joints.size(); ++t) {
     if (mapping.joints[t].sources.empty()) missing.push_back(target.joints[t]);

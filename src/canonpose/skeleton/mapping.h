@@ -44,7 +44,7 @@ std::optional<int> FindPart(const Skeleton& layout, std::string_view part);
 LayoutMapping MapLayout(const Skeleton& source, const Skeleton& target);
 
 /// The same, but joints that cannot be made have no sources and are therefore always missing.
-LayoutMapping MapWhatCanBe(const Skeleton& source, const Skeleton& target);
+LayoutMapping MapAvailableJoints(const Skeleton& source, const Skeleton& target);
 
 /// Applies a mapping to one pose. keypoints is (K, 2), confidence (K), of the source; NaN and 0 where missing. The
 /// outputs are (J, 2) and (J) of the target.

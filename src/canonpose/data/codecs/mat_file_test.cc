@@ -40,7 +40,7 @@ TEST(MatFile, ReadsCellsInRowMajorOrder) {
   }
 }
 
-TEST(MatFile, WhatIsNotThereIsNamedWithTheAdvice) {
+TEST(MatFile, MissingVariablesAreNamedWithTheAdvice) {
   const MatFile file(TestData(kFile), "ask the author");
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)file.ReadCells("annot9", 14); }),
               AllOf(HasSubstr("annot9: expected a variable of that name"), HasSubstr("ask the author")));

@@ -91,7 +91,7 @@ TEST(NpzTest, ReadsWhatNumPyWrites) {
   }
 }
 
-TEST(NpzTest, TextsOfNoWidthAreAsManyAsTheShapeSays) {
+TEST(NpzTest, TextsOfZeroWidthAreCountedByTheShape) {
   const auto count = [](const std::vector<std::size_t>& shape) {
     const NpyArray array = npy::Parse(npy::MakeHeader("<U0", shape), "a.npz", "a");
     return std::get<std::vector<std::string>>(array.values).size();

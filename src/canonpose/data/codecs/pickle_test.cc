@@ -122,7 +122,7 @@ TEST(PickleTest, NothingIsExecuted) {
   EXPECT_THAT(Refusal("c\x1b[31m\nx\n."), HasSubstr("?[31m.x"));
 }
 
-TEST(PickleTest, WhatIsEndlessOrTooLargeIsRefused) {
+TEST(PickleTest, EndlessAndTooLargeValuesAreRefused) {
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Load(File("endless.pickle")); }), HasSubstr("contains itself"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Load(File("deep.pickle")); }), HasSubstr("more than 100 deep"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Load(File("set.pickle")); }), HasSubstr("a set"));

@@ -87,7 +87,7 @@ struct Sample {
 
 class Samples : public ::testing::TestWithParam<Sample> {};
 
-TEST_P(Samples, HoldTheSameClip) {
+TEST_P(Samples, ContainTheSameClip) {
   const Sample& sample = GetParam();
   const fs::path path = TestData("detections") / sample.folder;
   EXPECT_EQ(DetectFormat(path), sample.format);
@@ -133,7 +133,7 @@ TEST(Formats, FormsOfOneDetectorAgree) {
   ExpectSame(ReadAll("mmpose", all / "mmpose_video"), ReadAll("coco", all / "coco"));
 }
 
-TEST(Formats, CamerasTakeTheNameOfWhatTellsThemApart) {
+TEST(Formats, CamerasAreNamedByTheFileOrFolderThatDiffers) {
   const fs::path all = TestData("detections");
   const std::vector<CameraInput> files = FindDetectionFormat("alphapose").find_cameras(all / "alphapose");
   EXPECT_EQ(files[0].name, "left");
@@ -181,7 +181,7 @@ TEST(LastNumber, IsTheFrameNumber) {
   EXPECT_GT(LastNumber("99999999999999999999999999999.jpg").value_or(0), 0);
 }
 
-TEST(OpenPose, FramesComeByNumberAndNotByName) {
+TEST(OpenPose, FramesAreSortedByNumberAndNotByName) {
   const TemporaryFolder folder;
   for (const int number : {10, 9, 2}) {
     WriteFileAtomically(folder / fmt::format("frame_{}.json", number),
@@ -260,7 +260,7 @@ TEST(OpenPose, FramesBesideFoldersOfFramesAreRefused) {
   EXPECT_EQ(FindDetectionFormat("openpose").find_cameras(folder.path()).size(), 1U);
 }
 
-TEST(OpenPose, ACameraWithItsFramesDeeperDownIsNotLeftOut) {
+TEST(OpenPose, ACameraWithItsFramesInASubfolderIsNotLeftOut) {
   const TemporaryFolder folder;
   MakeDirectory(folder / "cam1");
   WriteFileAtomically(folder.path() / "cam1" / "1.json", OpenPoseFrame("1,2,0.5"));

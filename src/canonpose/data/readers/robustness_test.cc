@@ -67,7 +67,7 @@ TEST(DamagedFiles, CutAnywhere) {
   }
 }
 
-TEST(DamagedFiles, ValuesExchanged) {
+TEST(DamagedFiles, ValuesReplaced) {
   static constexpr std::array<const char*, 14> kReplacements{"null",
                                                              "NaN",
                                                              "-Infinity",
@@ -96,7 +96,7 @@ TEST(DamagedFiles, ValuesExchanged) {
   }
 }
 
-TEST(DamagedFiles, BytesExchanged) {
+TEST(DamagedFiles, BytesReplaced) {
   Rng rng(22);
   for (const Victim& victim : kVictims) {
     const std::string original = ReadFile(TestData("detections") / victim.file);

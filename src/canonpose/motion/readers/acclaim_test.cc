@@ -143,10 +143,11 @@ TEST(Acclaim, DamagedSkeletonsSayWhereAndWhat) {
               HasSubstr("circle"));
   EXPECT_THAT(AsfError("  end\n:hierarchy", ":hierarchy"), HasSubstr("the end of bone trunk"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Read("", TinyAmc()); }), HasSubstr("an empty file"));
-  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Read("{\"a\": 1}", TinyAmc()); }), HasSubstr("not an Acclaim skeleton"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { Read("{\"a\": 1}", TinyAmc()); }),
+              HasSubstr("not an Acclaim skeleton"));
 }
 
-TEST(Acclaim, EveryCutOfASkeletonIsFound) {
+TEST(Acclaim, EveryTruncationOfASkeletonIsDetected) {
   const std::string whole = TinyAsf();
   const std::size_t last = whole.rfind("end");
   for (std::size_t size = 0; size < last; size += 7) {

@@ -170,7 +170,7 @@ TEST(Bvh, DamagedMotionsSayWhereAndWhat) {
   EXPECT_THAT(BvhError("0 100 0 0 90", "0 100 0 0 9-0"), AllOf(HasSubstr("line 29"), HasSubstr("found '9-0'")));
 }
 
-TEST(Bvh, EveryCutIsFound) {
+TEST(Bvh, EveryTruncationIsDetected) {
   const std::string whole = Tiny();
   // Except in the last value, which may lack a digit and still be a number.
   for (std::size_t size = 0; size + 4 < whole.size(); size += 3) {

@@ -13,7 +13,7 @@ namespace {
 using namespace canonpose::testing;  // NOLINT: all of it is for these tests
 using ::testing::HasSubstr;
 
-TEST(BenchmarkTest, OptionsWithoutMeaningAreRefused) {
+TEST(BenchmarkTest, UnsupportedOptionsAreRefused) {
   const auto refusal = [](const std::string& format, auto change) {
     BenchmarkOptions options = Options(format, {"x"});
     change(options);

@@ -101,7 +101,7 @@ const Skeleton& BenchmarkLayout(const std::string& name) {
 }
 
 LayoutMapping MapBenchmark(const Skeleton& layout, const std::string& skeleton) {
-  LayoutMapping mapping = MapWhatCanBe(layout, ParseTrainingTarget(layout, skeleton));
+  LayoutMapping mapping = MapAvailableJoints(layout, ParseTrainingTarget(layout, skeleton));
   PreferOwnJoints(mapping);
   const bool is_whole = std::none_of(mapping.joints.begin(), mapping.joints.end(),
                                      [](const JointSource& joint) { return joint.sources.empty(); });
@@ -133,7 +133,7 @@ BenchmarkBuilder::BenchmarkBuilder(const BenchmarkOptions& options, const Skelet
                                    const Skeleton& truth_layout, const std::string& usual_skeleton)
     : options_(options),
       keypoints_(MapBenchmark(keypoint_layout, options.skeleton.empty() ? usual_skeleton : options.skeleton)),
-      truth_(MapWhatCanBe(truth_layout, keypoints_.target)) {
+      truth_(MapAvailableJoints(truth_layout, keypoints_.target)) {
   PreferOwnJoints(truth_);
   dataset_.skeleton = keypoints_.target;
   dataset_.source.format = options.format;

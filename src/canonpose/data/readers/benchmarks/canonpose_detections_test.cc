@@ -44,7 +44,7 @@ TEST(CanonPoseDetectionsTest, PlanarRowsBySubject) {
   }
 }
 
-TEST(CanonPoseDetectionsTest, AnotherOrderIsNoticed) {
+TEST(CanonPoseDetectionsTest, AnotherOrderIsDetected) {
   BenchmarkOptions options = Options("canonpose-detections", {"canonpose/detections_mpii_order.pickle"});
   EXPECT_THAT(Import(options).log, HasSubstr("look like those of mpii-16 rather than canonpose-16"));
   options.layout = "mpii-16";
@@ -60,7 +60,7 @@ TEST(CanonPoseDetectionsTest, AnotherOrderIsNoticed) {
   EXPECT_EQ(Import(options).dataset.skeleton.joints[7], "Spine");
 }
 
-TEST(CanonPoseDetectionsTest, WhatIsWrongIsRefused) {
+TEST(CanonPoseDetectionsTest, InvalidFilesAreRefused) {
   const auto refusal = [](const std::string& file) { return Refusal(Options("canonpose-detections", {file})); };
   EXPECT_THAT(refusal("wrong/detections_no_subjects.pickle"), HasSubstr("a member \"subjects\", found poses_2d_pred"));
   EXPECT_THAT(refusal("wrong/detections_17_joints.pickle"), HasSubstr("found shape (6, 34)"));

@@ -92,7 +92,7 @@ TEST(H36mTest, OtherSkeletonsCamerasAndForms) {
   EXPECT_EQ(confident.sequences[0].cameras[1].keypoints, good.sequences[0].cameras[1].keypoints);
 }
 
-TEST(H36mTest, UnitAndSidesAreTold) {
+TEST(H36mTest, UnitAndSidesAreReported) {
   const auto with_3d = [](const char* file) {
     BenchmarkOptions options = Options("h36m", {"wrong/h36m_2d_good.npz", std::string("wrong/") + file});
     options.calibration = File("h36m/cameras.json");
@@ -111,7 +111,7 @@ TEST(H36mTest, UnitAndSidesAreTold) {
   EXPECT_THAT(metres_log, Not(HasSubstr("swapped")));
 }
 
-TEST(H36mTest, WhatIsWrongIsRefused) {
+TEST(H36mTest, InvalidFilesAreRefused) {
   const auto refusal = [](const std::string& file) { return Refusal(Options("h36m", {"wrong/" + file})); };
   EXPECT_THAT(refusal("h36m_2d_16_joints.npz"),
               AllOf(HasSubstr("[\"S9\"][\"WalkDog 1\"][0]"), HasSubstr("(8, 16, 2)")));

@@ -75,7 +75,7 @@ TEST(Mpi3dhpTrainTest, CalibrationTruthAndCamerasByChoice) {
   EXPECT_THAT(Refusal(Options("3dhp-train", {kTrain1, kTrain1})), HasSubstr("S1 Seq1 twice"));
 }
 
-TEST(Mpi3dhpTrainTest, WhatIsWrongIsRefused) {
+TEST(Mpi3dhpTrainTest, InvalidFilesAreRefused) {
   const auto refusal = [](const std::string& file) { return Refusal(Options("3dhp-train", {file})); };
   EXPECT_THAT(refusal("wrong/train_13_cameras.mat"), HasSubstr("a cell array of 14 matrices, found 13 cells"));
   EXPECT_THAT(refusal("wrong/train_27_joints.mat"), AllOf(HasSubstr("annot2{1}"), HasSubstr("found (1, 54)")));
@@ -94,7 +94,7 @@ TEST(Mpi3dhpTrainTest, WhatIsWrongIsRefused) {
               AllOf(HasSubstr("cameras.json: line 2: expected \"name\""), HasSubstr("seven lines per camera")));
 }
 
-TEST(Mpi3dhpTrainTest, FoldersStandForTheirFiles) {
+TEST(Mpi3dhpTrainTest, FoldersMeanTheirFiles) {
   const Dataset files = Import(Options("3dhp-train", {kTrain1, kTrain2})).dataset;
   const Dataset folder = Import(Options("3dhp-train", {"3dhp_train"})).dataset;
   EXPECT_EQ(folder.Fingerprint(), files.Fingerprint());
@@ -156,7 +156,7 @@ void WriteTestSet(const fs::path& path, std::size_t frames, std::size_t joints, 
   file.Commit();
 }
 
-TEST(Mpi3dhpTestTest, WhatIsWrongIsRefused) {
+TEST(Mpi3dhpTestTest, InvalidFilesAreRefused) {
   const TemporaryFolder folder;
   const std::string path = folder / "annot_data.mat";
   BenchmarkOptions options = Options("3dhp-test", {path});

@@ -116,7 +116,7 @@ TEST(SkiPoseTest, RotationsAreCheckedBetweenCameras) {
               HasSubstr("do not trust a triangulation"));
 }
 
-TEST(SkiPoseTest, LegsUnderTheOtherSidesNameAreRenamed) {
+TEST(SkiPoseTest, LegsWithTheOtherSidesNameAreRenamed) {
   const TemporaryFolder folder;
   SkiRows rows;
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -129,7 +129,7 @@ TEST(SkiPoseTest, LegsUnderTheOtherSidesNameAreRenamed) {
              "S3 seq_007|cam_00|keypoints");
 }
 
-TEST(SkiPoseTest, WhatIsWrongIsRefused) {
+TEST(SkiPoseTest, InvalidFilesAreRefused) {
   const TemporaryFolder folder;
   const auto refusal = [&](auto change) {
     SkiRows rows;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -302,15 +303,28 @@ template Array<double> Group::Read<double>(const std::string&) const;
 template Array<std::int64_t> Group::Read<std::int64_t>(const std::string&) const;
 
 namespace {
-/// After a failed write, errno usually has the system's reason.
+/// The system's reason for the failure of the last call, as noted by HDF5; 0 if there is none. errno itself may have
+/// been overwritten by the library's clean-up.
+int ReasonOfFailure() {
+  int reason = 0;
+  const auto find = [](unsigned, const H5E_error2_t* error, void* found) -> herr_t {
+    constexpr std::string_view kMark = "errno = ";
+    const std::string_view text = error->desc == nullptr ? "" : error->desc;
+    const std::size_t place = text.find(kMark);
+    if (place != std::string_view::npos) *static_cast<int*>(found) = std::atoi(text.data() + place + kMark.size());
+    return 0;
+  };
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, find, &reason);
+  return reason;
+}
+
 [[noreturn]] void ThrowWriteFailed(const fs::path& path) {
-  const int reason = errno;
+  const int reason = ReasonOfFailure();
   ThrowCannotWrite(path, reason == 0 ? EIO : reason);
 }
 
 void WriteAttribute(hid_t owner, const fs::path& path, const std::string& name, hid_t file_type, hid_t memory_type,
                     hid_t space, const void* data) {
-  errno = 0;
   Id attribute(H5Acreate2(owner, name.c_str(), file_type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   const bool is_empty = H5Sget_simple_extent_npoints(space) == 0;  // which H5Awrite refuses
   if (!attribute.valid() || (!is_empty && H5Awrite(attribute, memory_type, data) < 0)) ThrowWriteFailed(path);
@@ -323,7 +337,6 @@ Id SpaceFor(std::size_t count) {
 }  // namespace
 
 Group Group::Create(const std::string& name) {
-  errno = 0;
   Id id(H5Gcreate2(state_->id, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
   if (!id.valid()) ThrowWriteFailed(state_->final_path);
   id.Close();
@@ -364,7 +377,6 @@ template <typename T>
 void Group::Write(const std::string& name, std::span<const T> values, const std::vector<std::size_t>& shape) {
   CANONPOSE_CHECK(values.size() == CountOf(shape), "{} values for shape {}", values.size(), FormatShape(shape));
   constexpr std::size_t kChunkBytes = 1 << 20;
-  errno = 0;
   const std::vector<hsize_t> dimensions(shape.begin(), shape.end());
   const Id space(shape.empty() ? H5Screate(H5S_SCALAR)
                                : H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr),
@@ -451,7 +463,6 @@ File File::OfHandle(std::int64_t handle, const std::string& name) {
 File File::CreateAt(const fs::path& path) {
   PrepareLibrary();
   auto pending = std::make_unique<Pending>(path);
-  errno = 0;
   Id id(H5Fcreate(pending->file.temporary_path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
   if (!id.valid()) ThrowWriteFailed(path);
   File file = OfHandle(id.Release(), path.string());
@@ -461,7 +472,6 @@ File File::CreateAt(const fs::path& path) {
 
 void File::Commit() {
   CANONPOSE_CHECK(pending_ != nullptr, "only a file made by CreateAt() can be committed, and only once");
-  errno = 0;
   const fs::path path = pending_->file.path();
   const bool flushed = H5Fflush(*root_.state_->file_id, H5F_SCOPE_GLOBAL) >= 0;
   if (!flushed) ThrowWriteFailed(path);

@@ -15,7 +15,7 @@ namespace {
 constexpr double kPoseWeight = 0.05;
 constexpr int kShapeRounds = 3;
 
-double SumOfBones(const Skeleton& skeleton, const Points3& joints) {
+double SumOfBones(const Skeleton& skeleton, const Points3d& joints) {
   double sum = 0.0;
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     const int parent = skeleton.parents[static_cast<std::size_t>(j)];
@@ -25,11 +25,11 @@ double SumOfBones(const Skeleton& skeleton, const Points3& joints) {
 }
 
 /// The mean of the lifter's poses in the world, (J, 3).
-Points3 MeanStart(const CaptureObservations& capture, int frame, std::span<const Eigen::Matrix3d> camera_from_world,
-                  const std::vector<int>& views, bool mirrored) {
-  Points3 mean = Points3::Zero(capture.joint_count(), 3);
+Points3d MeanStart(const CaptureObservations& capture, int frame, std::span<const Eigen::Matrix3d> camera_from_world,
+                   const std::vector<int>& views, bool mirrored) {
+  Points3d mean = Points3d::Zero(capture.joint_count(), 3);
   for (const int v : views) {
-    Points3 pose = capture.StartOf(frame, v);
+    Points3d pose = capture.StartOf(frame, v);
     if (mirrored) pose.col(2) *= -1.0;
     mean += pose * camera_from_world[static_cast<std::size_t>(v)];  // rows: (R^T p)^T = p^T R
   }
@@ -38,7 +38,7 @@ Points3 MeanStart(const CaptureObservations& capture, int frame, std::span<const
 
 /// Least squares scale of a view: keypoints relative to the root against the projected joints.
 double ImageScaleOf(const CaptureObservations& capture, int frame, int view, const Eigen::Matrix3d& rotation,
-                    const Points3& joints) {
+                    const Points3d& joints) {
   const Eigen::Vector2d root = capture.At(frame, view, capture.skeleton.root);
   double product = 0.0;
   double squares = 0.0;
@@ -53,7 +53,7 @@ double ImageScaleOf(const CaptureObservations& capture, int frame, int view, con
 }
 
 void RefineShape(const CaptureObservations& capture, int frame, std::span<const Eigen::Matrix3d> camera_from_world,
-                 const std::vector<int>& views, const Points3& prior, FrameShape& shape) {
+                 const std::vector<int>& views, const Points3d& prior, FrameShape& shape) {
   for (int j = 0; j < capture.joint_count(); ++j) {
     Eigen::Matrix3d normal = kPoseWeight * Eigen::Matrix3d::Identity();
     Eigen::Vector3d right = kPoseWeight * prior.row(j).transpose();
@@ -149,7 +149,7 @@ void FillFromStart(const CaptureObservations& capture, int frame, bool mirrored,
     rotations[static_cast<std::size_t>(v)] = estimate.CameraAt(frame, v).Rotation();
   }
   if (views.empty()) return;
-  const Points3 mean = MeanStart(capture, frame, rotations, views, mirrored);
+  const Points3d mean = MeanStart(capture, frame, rotations, views, mirrored);
   for (bool changed = true; changed;) {
     changed = false;
     for (int j = 0; j < capture.joint_count(); ++j) {
@@ -184,7 +184,7 @@ FrameShape ShapeFromViews(const CaptureObservations& capture, int frame,
     if (capture.HasStart(frame, v) && camera_from_world[static_cast<std::size_t>(v)].allFinite()) views.push_back(v);
   }
   if (views.size() < 2) return shape;
-  const Points3 mean = MeanStart(capture, frame, camera_from_world, views, mirrored);
+  const Points3d mean = MeanStart(capture, frame, camera_from_world, views, mirrored);
   shape.joints = mean;
   for (int round = 0; round <= kShapeRounds; ++round) {
     for (const int v : views) {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "canonpose/geometry/points.h"
 #include "canonpose/geometry/triangulation.h"
 #include "canonpose/solve/adjustment.h"
 #include "canonpose/solve/observations.h"
@@ -13,14 +14,12 @@
 
 namespace canonpose {
 
-using Points3 = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
-
 /// The depth mirror of a rotation, F R F with F = diag(1, 1, -1).
 Eigen::Matrix3d MirrorRotation(const Eigen::Matrix3d& rotation);
 
 /// A frame as orthographic views with known rotations see it.
 struct FrameShape {
-  Points3 joints;              ///< (J, 3) in the world, centred on the root; the sum of the bone lengths is 1
+  Points3d joints;             ///< (J, 3) in the world, centred on the root; the sum of the bone lengths is 1
   std::vector<double> scales;  ///< (V) normalised image coordinates a unit; 0 where the view has no part
   bool valid = false;          ///< two views at least were lifted and have a rotation
 };

@@ -48,6 +48,8 @@ list(REMOVE_ITEM parts cli)
 list(TRANSFORM parts PREPEND canonpose_)
 list(JOIN parts "," parts)
 target_link_libraries(canonpose_library PRIVATE canonpose_options "$<LINK_LIBRARY:WHOLE_ARCHIVE,${parts}>")
+# Also where one part brings in another.
+set_target_properties(canonpose_library PROPERTIES LINK_LIBRARY_OVERRIDE "WHOLE_ARCHIVE,${parts}")
 target_link_libraries(canonpose_library PUBLIC Eigen3::Eigen fmt::fmt)
 target_compile_features(canonpose_library PUBLIC cxx_std_20)
 target_include_directories(canonpose_library PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)

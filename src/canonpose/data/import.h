@@ -34,8 +34,8 @@ struct ImportOptions {
   FrameAlignment alignment = FrameAlignment::kOrder;
   std::string name = "clip";  ///< of the sequence
   std::string subject;        ///< empty: the sequence's name
-  std::string
-      capture;       ///< empty: the name and a hash of the keypoints, so that no two imports accidentally share cameras
+  /// Empty: the name and a hash of the keypoints, so that no two imports accidentally share cameras.
+  std::string capture;
   double fps = 0.0;  ///< 0: unknown
   bool moving_cameras = false;
 

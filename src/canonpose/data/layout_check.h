@@ -26,8 +26,8 @@ namespace canonpose {
 struct LayoutFit {
   const Skeleton* layout = nullptr;
   int frames = 0;  ///< measured; 0 where too few joints are ever seen together
-  double tree_ratio =
-      0.0;  ///< mean edge of the layout's tree / mean edge of the shortest tree, lower quartile over frames
+  /// Mean edge of the layout's tree / mean edge of the shortest tree, lower quartile over frames.
+  double tree_ratio = 0.0;
   /// Sum |l - r| / sum (l + r) over pairs of left and right edges, where the length of an edge is its upper quartile
   /// over frames.
   double asymmetry = 0.0;

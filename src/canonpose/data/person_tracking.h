@@ -20,8 +20,8 @@ struct PersonTrack {
   };
   std::vector<Sighting> sightings;  ///< ascending frames
   std::vector<int> returns;         ///< frames at which a track continues after a long absence; see JoinTracks()
-  double prominence =
-      0.0;  ///< sum over frames of the box's diagonal in pixels times the mean confidence of all keypoints
+  /// Sum over frames of the box's diagonal in pixels times the mean confidence of all keypoints.
+  double prominence = 0.0;
 };
 
 /// The people of a clip, the most prominent first. Frame by frame, each person is assigned to the track that predicts

@@ -93,10 +93,10 @@ struct Metrics {
   double pck_percent = 0.0;
   double auc_percent = 0.0;
   double cps = 0.0;
-  std::vector<double>
-      pck_curve_percent;  ///< (300) joints that are off by less than the threshold after the scale adjustment
-  std::vector<double>
-      cps_curve_percent;           ///< (300) poses whose largest joint error after alignment is below the threshold
+  /// (300) joints that are off by less than the threshold after the scale adjustment.
+  std::vector<double> pck_curve_percent;
+  /// (300) poses whose largest joint error after alignment is below the threshold.
+  std::vector<double> cps_curve_percent;
   std::vector<MeanErrors> joints;  ///< (J) NaN for joints that are never known
 };
 

@@ -39,8 +39,8 @@ struct EvaluationReport {
   std::vector<std::string> all_joints;       ///< (J)
   std::vector<std::string> joints;           ///< joints that were used
   std::vector<std::string> left_out_joints;  ///< joints that the user left out
-  std::int64_t missing_predictions =
-      0;                             ///< poses whose truth is known but that were not predicted; not part of any mean
+  /// Poses whose truth is known but that were not predicted; not part of any mean.
+  std::int64_t missing_predictions = 0;
   std::int64_t unusable_truths = 0;  ///< poses that were left out because too little of their truth is known
   std::int64_t mirrored = 0;         ///< poses whose mirror has the right shape; see IsMirrored()
   double depth_extent_ratio = 0.0;   ///< root mean square depth of the poses, over that of the truth

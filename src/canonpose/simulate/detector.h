@@ -24,8 +24,8 @@ struct DetectorOptions {
   double outliers = 1.0;   ///< a joint found on a wrong limb or in the background
   double missed_joints = 1.0;
   double missed_frames = 1.0;
-  double confidence =
-      1.0;  ///< how poorly confidences reflect large errors; 0: they decrease monotonically with the error
+  /// How poorly confidences reflect large errors; 0: they decrease monotonically with the error.
+  double confidence = 1.0;
   /// Systematic offset of the detector's joints from the skeleton's: at strength 1, a few % of the stature at the hips
   /// and shoulders. Off by default.
   double joint_offset = 0.0;

@@ -28,8 +28,8 @@ struct SimulationOptions {
   int clips = 0;  ///< of each subject; 0: one per activity
   double seconds = 10.0;
 
-  double fps =
-      0.0;  ///< 0: that of the file, or 50 for procedural people; frames of files are only dropped, never added
+  /// 0: that of the file, or 50 for procedural people; frames of files are only dropped, never added.
+  double fps = 0.0;
   RigOptions rig;
   DetectorOptions detector;
   std::string skeleton = "h36m-17";  ///< of the dataset

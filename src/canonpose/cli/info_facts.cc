@@ -7,8 +7,8 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/cli/with_torch.h"
+#include "canonpose/data/codecs/npz.h"
 #include "canonpose/data/dataset.h"
-#include "canonpose/data/npz.h"
 #include "canonpose/model/model_file.h"
 
 namespace canonpose {

@@ -1,4 +1,4 @@
-// The dataset file: groups, attributes and arrays as README.md lays them out.
+// The dataset file: groups, attributes and arrays as README.md describes them.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,7 +20,7 @@ constexpr const char* kFormat = "canonpose-dataset";
 constexpr std::int64_t kVersion = 1;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-/// Where in which file the values that are being checked stand, for messages.
+/// The file and the place in it of the values being checked, for messages.
 struct Place {
   std::string file;
   std::string group;
@@ -33,7 +33,7 @@ struct Place {
   }
 };
 
-/// Checks keypoints and confidences; a joint that one of them calls missing becomes missing in both.
+/// Checks keypoints and confidences; a joint that is missing in one becomes missing in both.
 void CheckKeypoints(CameraView& view, const Place& place) {
   const std::size_t joints = place.skeleton->joints.size();
   for (std::size_t i = 0; i < view.confidence.size(); ++i) {
@@ -84,7 +84,7 @@ std::vector<float> ReadArray(const h5::Group& group, const std::string& name, co
   return group.Read<float>(name).values;
 }
 
-/// frame_count is that of the cameras before, -1 for the first.
+/// frame_count is that of the previous cameras, -1 for the first.
 CameraView ReadCamera(const h5::Group& group, const std::string& name, const Skeleton& skeleton, int* frame_count) {
   CameraView view;
   view.name = name;
@@ -104,9 +104,9 @@ CameraView ReadCamera(const h5::Group& group, const std::string& name, const Ske
   }
   const auto frames = static_cast<int>(shape[0]);
   if (*frame_count >= 0 && frames != *frame_count) {
-    group.Fail("keypoints", fmt::format("{} frames as in the cameras before it", *frame_count),
+    group.Fail("keypoints", fmt::format("{} frames as in the previous cameras", *frame_count),
                fmt::format("{}", frames),
-               "cameras of a sequence are synchronised: cut them to the same frames, NaN where one saw nothing");
+               "cameras of a sequence are synchronised: give all the same frames, with NaN where a camera saw nothing");
   }
   *frame_count = frames;
   view.keypoints = ReadArray(group, "keypoints", shape, "");
@@ -140,7 +140,7 @@ void ReadActions(const h5::Group& group, Sequence& sequence) {
   }
   for (const std::int64_t action : group.Read<std::int64_t>("action").values) {
     if (action < 0 || action >= std::ssize(sequence.actions)) {
-      group.Fail("action", fmt::format("places in the attribute actions, which has {}", sequence.actions.size()),
+      group.Fail("action", fmt::format("indices into the attribute actions, which has {}", sequence.actions.size()),
                  fmt::format("{}", action), "");
     }
     sequence.action.push_back(static_cast<std::uint8_t>(action));
@@ -153,11 +153,11 @@ Sequence ReadSequence(const h5::Group& group, const std::string& name, const Ske
   sequence.subject = group.GetString("subject");
   if (group.HasAttribute("fps")) sequence.fps = group.GetDouble("fps");
   if (!std::isfinite(sequence.fps) || sequence.fps < 0.0) {
-    group.Fail("attribute fps", "frames a second, 0 where unknown", fmt::format("{}", sequence.fps), "");
+    group.Fail("attribute fps", "frames per second, 0 where unknown", fmt::format("{}", sequence.fps), "");
   }
   const std::int64_t is_static = group.GetInt("static_cameras");
   if (is_static != 0 && is_static != 1) {
-    group.Fail("attribute static_cameras", "1 where the cameras stand still, otherwise 0", fmt::format("{}", is_static),
+    group.Fail("attribute static_cameras", "1 where the cameras are static, otherwise 0", fmt::format("{}", is_static),
                "");
   }
   sequence.static_cameras = is_static == 1;
@@ -187,8 +187,9 @@ void CheckFormat(const h5::Group& root) {
   const std::int64_t version = root.GetInt("version");
   if (version != kVersion) {
     root.Fail("attribute version", fmt::format("{}", kVersion), fmt::format("{}", version),
-              version > kVersion ? "the file is of a newer canonpose: update this one, or make the file again with it"
-                                 : "make the file again");
+              version > kVersion
+                  ? "the file is from a newer version of canonpose: update this one, or create the file again with it"
+                  : "create the file again");
   }
 }
 
@@ -203,7 +204,7 @@ DatasetSource ReadSource(const h5::Group& root, const h5::Group& skeleton_group,
   if (skeleton_group.HasAttribute("mapping")) {
     source.mapping = skeleton_group.GetStrings("mapping");
     if (source.mapping.size() != skeleton.joints.size()) {
-      skeleton_group.Fail("attribute mapping", fmt::format("{} texts, one a joint", skeleton.joints.size()),
+      skeleton_group.Fail("attribute mapping", fmt::format("{} strings, one per joint", skeleton.joints.size()),
                           fmt::format("{}", source.mapping.size()), "");
     }
   }
@@ -218,7 +219,7 @@ void Write(h5::Group& group, const std::string& name, const std::vector<T>& valu
   group.Write<T>(name, std::span<const T>(values), shape);
 }
 
-/// Names become groups of the file, so some cannot be used.
+/// Names become names of groups in the file, so some cannot be used.
 void CheckName(const std::filesystem::path& path, const std::string& name, const std::string& what) {
   if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos) {
     ThrowBadInput(
@@ -251,7 +252,7 @@ bool IsDatasetFile(const std::filesystem::path& path) {
   try {
     return file.root().GetString("format") == kFormat;
   } catch (const Error&) {
-    return false;  // an attribute of that name which is no text belongs to someone else's format
+    return false;  // an attribute of that name which is not text belongs to another format
   }
 }
 
@@ -282,7 +283,7 @@ DatasetWriter::DatasetWriter(const std::filesystem::path& path, const Skeleton& 
 DatasetWriter::~DatasetWriter() = default;
 
 void DatasetWriter::Add(const Sequence& sequence) {
-  CANONPOSE_CHECK(state_ != nullptr, "the file is committed already");
+  CANONPOSE_CHECK(state_ != nullptr, "the file has already been committed");
   CheckName(state_->path, sequence.name, "sequence");
   if (state_->sequences.Has(sequence.name)) {
     ThrowBadInput({state_->path.string(), "", "sequences of different names",
@@ -292,7 +293,7 @@ void DatasetWriter::Add(const Sequence& sequence) {
   group.SetString("subject", sequence.subject);
   group.SetDouble("fps", sequence.fps);
   group.SetInt("static_cameras", sequence.static_cameras ? 1 : 0);
-  // A default written out would read as a name that other files can share.
+  // A default that was written would be read as a name, which other files may share.
   if (sequence.capture_is_named && !sequence.capture.empty()) group.SetString("capture", sequence.capture);
   if (!sequence.actions.empty()) group.SetStrings("actions", sequence.actions);
   if (!sequence.truth_kind.empty()) group.SetString("truth_kind", sequence.truth_kind);
@@ -336,8 +337,8 @@ void DatasetWriter::Add(const Sequence& sequence) {
 }
 
 void DatasetWriter::Commit() {
-  CANONPOSE_CHECK(state_ != nullptr, "the file is committed already");
-  // The file closes only when no group of it is open any more.
+  CANONPOSE_CHECK(state_ != nullptr, "the file has already been committed");
+  // The file is closed only once none of its groups is open.
   state_->sequences = h5::Group();
   state_->file.Commit();
   state_.reset();

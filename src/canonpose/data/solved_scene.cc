@@ -20,7 +20,7 @@ void AddPose(const CameraView& view, int frame, PoseSequence& person) {
     if (std::isnan(position[0]) || person.IsKnown(frame, static_cast<int>(j))) continue;
     const Eigen::Vector3d in_camera(position[0], position[1], position[2]);
     const Eigen::Vector3d in_world =
-        camera.camera_from_world_rotation.transpose() * (in_camera - camera.camera_from_world_translation_mm);
+        camera.camera_from_world_rotation.transpose() * (in_camera - camera.camera_from_world_translation);
     person.PoseAt(frame).row(static_cast<Eigen::Index>(j)) = in_world.cast<float>();
     if (!view.solved_uncertainty.empty()) person.standard_deviation()[first + j] = view.solved_uncertainty[first + j];
   }

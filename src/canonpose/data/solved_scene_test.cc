@@ -33,7 +33,7 @@ Dataset Solved(const Eigen::Matrix<float, 4, 3>& in_world) {
     if (c == 2) continue;
     Camera camera;
     camera.camera_from_world_rotation = Eigen::AngleAxisd(0.5 + c, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
-    camera.camera_from_world_translation_mm = Eigen::Vector3d(0.1, 0.2, 3.0 + c);
+    camera.camera_from_world_translation = Eigen::Vector3d(0.1, 0.2, 3.0 + c);
     view.solved_calibration = {camera};
     view.solved_uncertainty.assign(4, 0.01F);
     for (int i = 0; i < 4; ++i) {

@@ -32,7 +32,7 @@ class Run {
  private:
   void Begin(const Skeleton& skeleton);
   void AddTruthKinds(const Dataset& dataset);
-  void AddSequence(const Sequence& sequence, const SequenceReference& reference, const Selection& selection,
+  void AddSequence(const Sequence& sequence, const SequencePoses& reference, const Selection& selection,
                    const std::string& prefix, Progress& progress);
   void AddCanonical(const std::vector<std::vector<float>>& canonical,
                     const std::vector<std::vector<PoseErrors>>& errors, int frame_count);
@@ -93,7 +93,7 @@ void Run::Add(const fs::path& file) {
   }
 }
 
-void Run::AddSequence(const Sequence& sequence, const SequenceReference& reference, const Selection& selection,
+void Run::AddSequence(const Sequence& sequence, const SequencePoses& reference, const Selection& selection,
                       const std::string& prefix, Progress& progress) {
   const std::size_t row = 3 * skeleton_.joints.size();
   std::vector<std::vector<float>> canonical;
@@ -212,7 +212,7 @@ Predictor SolvedPoses() {
 Predictor TriangulatedPoses() {
   struct Cache {
     const Sequence* sequence = nullptr;
-    SequenceReference poses;
+    SequencePoses poses;
   };
   const auto cache = std::make_shared<Cache>();
   return {[cache](const Dataset& dataset, const std::string& file) {

@@ -80,8 +80,8 @@ StartPoses StartFromModel(const Dataset& dataset, const std::string& file, const
 
 StartPoses StartFromStarter(const Dataset& dataset, const std::string& device) {
   const PoseLifter starter = PoseLifter::Of(BuiltinStarter(), "the starter", device);
-  const LayoutMapping to_starter = MapWhatCanBe(dataset.skeleton, starter.skeleton());
-  const LayoutMapping from_starter = MapWhatCanBe(starter.skeleton(), dataset.skeleton);
+  const LayoutMapping to_starter = MapAvailableJoints(dataset.skeleton, starter.skeleton());
+  const LayoutMapping from_starter = MapAvailableJoints(starter.skeleton(), dataset.skeleton);
   StartPoses start;
   for (const Sequence& sequence : dataset.sequences) {
     start.sequences.emplace_back();

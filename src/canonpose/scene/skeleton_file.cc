@@ -7,10 +7,10 @@
 namespace canonpose {
 namespace {
 
-/// Numbers of joints, that is; which ones there are is for Skeleton::Problem() to say.
+/// Indices of joints; whether such joints exist is checked by Skeleton::Problem().
 int JointNumber(const h5::Group& group, const std::string& attribute, std::int64_t value) {
   if (value < -1 || value > std::numeric_limits<int>::max()) {
-    group.Fail("attribute " + attribute, "numbers of joints", fmt::format("{}", value),
+    group.Fail("attribute " + attribute, "indices of joints", fmt::format("{}", value),
                "correct the attributes of this group");
   }
   return static_cast<int>(value);

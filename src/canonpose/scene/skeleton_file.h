@@ -1,4 +1,4 @@
-// The group /skeleton, the same in every file of ours.
+// The group /skeleton, which is the same in all of our HDF5 files.
 #pragma once
 
 #include "canonpose/base/hdf5.h"
@@ -6,10 +6,10 @@
 
 namespace canonpose {
 
-/// Attributes joints, parents, root, mirror, and name where there is one.
+/// Writes the attributes joints, parents, root, mirror, and name if there is one.
 void WriteSkeleton(h5::Group& group, const Skeleton& skeleton);
 
-/// Throws Error(kBadInput) where one is missing or Skeleton::Problem() finds fault with it.
+/// Throws Error(kBadInput) where an attribute is missing or Skeleton::Problem() reports one.
 Skeleton ReadSkeleton(const h5::Group& group);
 
 }  // namespace canonpose

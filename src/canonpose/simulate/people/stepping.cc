@@ -29,14 +29,14 @@ class Planner {
   std::vector<Step> Plan() {
     std::vector<Step> steps;
     int side = stage_.RandomSide();
-    // The first step may have been under way before the clip.
+    // The first step may have started before the clip.
     double t = options_.from + (options_.from < 0.0 ? stage_.Uniform(0.0, 0.35) : 0.0);
     while (t < std::min(stage_.seconds(), options_.to)) {
       const double velocity = SpeedAt(t);
       const double hurry = velocity + TurnRateAt(t) * stage_.Tall(0.25);
       const Step step = Timing(side, t, hurry, velocity);
       if (hurry < 120.0) {
-        // Standing: whichever foot is worse off, and none where both are near enough.
+        // Standing: the foot that is farther off, or none if both are close enough.
         const double left = ErrorOf(kLeft, step);
         const double right = ErrorOf(kRight, step);
         if (std::max(left, right) < options_.patience_mm) {
@@ -75,18 +75,18 @@ class Planner {
     return step;
   }
 
-  // Where the foot has to be for the middle of its next stance.
+  // The position of the foot for the middle of its next stance.
   [[nodiscard]] Place Desired(const Step& step) const {
     const double end = step.start + 2 * step.interval;
     const double landing = step.start + step.swing;
-    // A little more of the stance lies behind the body: there the heel rises.
+    // Slightly more of the stance is behind the body, where the heel rises.
     const Place pelvis = PelvisAt(landing + 0.42 * (end - landing));
     const double sign = SideSign(step.side);
     Place place;
     place.yaw = pelvis.yaw + sign * options_.toe_out;
     place.at = pelvis.at + sign * options_.half_width * ToTheLeft(pelvis.yaw);
     const Place& other = feet_[1 - step.side];
-    // Feet do not cross: what is left between them in the direction of the pelvis.
+    // Feet do not cross: the distance that remains between them, relative to the pelvis' heading.
     const double apart = sign * (place.at - other.at).dot(ToTheLeft(pelvis.yaw));
     const double least = std::min(1.2 * options_.half_width, stage_.Tall(0.06));
     if (apart < least) place.at += sign * (least - apart) * ToTheLeft(pelvis.yaw);

@@ -92,7 +92,7 @@ struct PtzCamera {
 };
 
 /// The camera's position beside the course, such that the subject never comes much closer than its distance.
-Eigen::Vector3d Place(const PtzCamera& camera, const LandmarkTrack& track) {
+Eigen::Vector3d PlaceOf(const PtzCamera& camera, const LandmarkTrack& track) {
   const Eigen::Vector3d away(std::cos(camera.azimuth_rad), std::sin(camera.azimuth_rad), 0.0);
   double reach = 0.0;
   for (int t = 0; t < track.frame_count(); ++t) reach = std::max(reach, away.dot(Pelvis(track, t)));
@@ -104,7 +104,7 @@ Eigen::Vector3d Place(const PtzCamera& camera, const LandmarkTrack& track) {
 std::vector<Camera> FilmOne(const PtzCamera& ptz, const LandmarkTrack& track, Rng& rng) {
   std::vector<Camera> cameras(static_cast<std::size_t>(track.frame_count()));
   if (cameras.empty()) return cameras;
-  const Eigen::Vector3d position = Place(ptz, track);
+  const Eigen::Vector3d position = PlaceOf(ptz, track);
   const double stature_mm = StatureMm(&track.At(0, 0));
   Follower follower = FollowPelvis(track, kPtzLagSeconds);
   SmoothNoise error_x(kPtzAimTimeSeconds, track.fps, rng);

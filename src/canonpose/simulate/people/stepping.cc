@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-struct Place {
+struct StandingPlace {
   Vector2d at;
   double yaw;
 };
@@ -55,7 +55,7 @@ class Planner {
   }
 
  private:
-  [[nodiscard]] Place PelvisAt(double t) const {
+  [[nodiscard]] StandingPlace PelvisAt(double t) const {
     return {{stage_.At(kPelvisX, t), stage_.At(kPelvisY, t)}, stage_.At(kPelvisYaw, t)};
   }
   [[nodiscard]] double SpeedAt(double t) const { return (PelvisAt(t + 0.25).at - PelvisAt(t - 0.05).at).norm() / 0.3; }
@@ -76,16 +76,16 @@ class Planner {
   }
 
   // The position of the foot for the middle of its next stance.
-  [[nodiscard]] Place Desired(const Step& step) const {
+  [[nodiscard]] StandingPlace Desired(const Step& step) const {
     const double end = step.start + 2 * step.interval;
     const double landing = step.start + step.swing;
     // Slightly more of the stance is behind the body, where the heel rises.
-    const Place pelvis = PelvisAt(landing + 0.42 * (end - landing));
+    const StandingPlace pelvis = PelvisAt(landing + 0.42 * (end - landing));
     const double sign = SideSign(step.side);
-    Place place;
+    StandingPlace place;
     place.yaw = pelvis.yaw + sign * options_.toe_out;
     place.at = pelvis.at + sign * options_.half_width * ToTheLeft(pelvis.yaw);
-    const Place& other = feet_[1 - step.side];
+    const StandingPlace& other = feet_[1 - step.side];
     // Feet do not cross: the distance that remains between them, relative to the pelvis' heading.
     const double apart = sign * (place.at - other.at).dot(ToTheLeft(pelvis.yaw));
     const double least = std::min(1.2 * options_.half_width, stage_.Tall(0.06));
@@ -95,13 +95,13 @@ class Planner {
 
   [[nodiscard]] double ErrorOf(int side, Step step) const {
     step.side = side;
-    const Place desired = Desired(step);
+    const StandingPlace desired = Desired(step);
     return (desired.at - feet_[side].at).norm() + std::abs(desired.yaw - feet_[side].yaw) * stage_.Tall(0.14);
   }
 
   void Take(const Step& step) {
-    const Place from = feet_[step.side];
-    const Place to = Desired(step);
+    const StandingPlace from = feet_[step.side];
+    const StandingPlace to = Desired(step);
     feet_[step.side] = to;
     stage_.MoveTo(Of(kFootX, step.side), step.start, step.swing, to.at.x());
     stage_.MoveTo(Of(kFootY, step.side), step.start, step.swing, to.at.y());
@@ -128,7 +128,7 @@ class Planner {
   }
 
   // A foot passes the standing leg on the outside.
-  void GoAround(const Step& step, const Place& from, const Place& to) {
+  void GoAround(const Step& step, const StandingPlace& from, const StandingPlace& to) {
     const Vector2d other = feet_[1 - step.side].at;
     const Vector2d path = to.at - from.at;
     const double length = path.norm();
@@ -143,7 +143,7 @@ class Planner {
 
   Stage& stage_;
   const StepOptions& options_;
-  Place feet_[2];
+  StandingPlace feet_[2];
 };
 
 }  // namespace

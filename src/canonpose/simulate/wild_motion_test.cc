@@ -73,7 +73,7 @@ TEST(WildMotion, WithoutAnyChangeOnlyTheBodyTiltsALittle) {
   ArticulatedMotion motion = tame;
   MakeWild(motion, Tame(), Rng(5));
   for (int f = 0; f < motion.frame_count(); ++f) {
-    EXPECT_LT(Local(motion, f, 0).angularDistance(Local(tame, f, 0)), Deg(25.0));
+    EXPECT_LT(Local(motion, f, 0).angularDistance(Local(tame, f, 0)), RadFromDeg(25.0));
     for (int j = 1; j < motion.joint_count(); ++j) {
       ASSERT_LT(Local(motion, f, j).angularDistance(Local(tame, f, j)), 1e-7) << motion.joints[std::size_t(j)].name;
     }

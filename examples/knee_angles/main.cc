@@ -25,7 +25,7 @@ void PrintKneeAngles(const canonpose::Dataset& dataset) {
   const canonpose::Skeleton& skeleton = dataset.skeleton;
   const int hip = skeleton.Find("RHip").value();
   const int knee = skeleton.Find("RKnee").value();
-  const int ankle = skeleton.Find("RAnkle").value();
+  const int ankle = skeleton.Find("RFoot").value();
   for (const canonpose::Sequence& sequence : dataset.sequences) {
     for (int frame = 0; frame < sequence.frame_count; ++frame) {
       std::cout << sequence.name << ' ' << frame;

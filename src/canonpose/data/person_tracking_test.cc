@@ -225,7 +225,7 @@ TEST(FollowPerson, ACloseChoiceIsAWarning) {
     const LogFile log(folder / "log");
     FollowPerson(scene.camera, 1);
   }
-  EXPECT_THAT(ReadFile(folder / "log"), HasSubstr("choose with `person` cam=2"));
+  EXPECT_THAT(ReadFile(folder / "log"), HasSubstr("set `person` cam=2"));
 }
 
 TEST(FollowPerson, FramesWithoutThePersonStayMissing) {

@@ -7,8 +7,8 @@ namespace canonpose {
 void Scene::Validate() const {
   const int frames = people.empty() ? 0 : people.front().frame_count();
   for (const PoseSequence& person : people) {
-    CANONPOSE_CHECK(person.coordinate_frame.kind == CoordinateFrame::Kind::kWorld, "{} is not in the world's coordinates",
-                    person.name);
+    CANONPOSE_CHECK(person.coordinate_frame.kind == CoordinateFrame::Kind::kWorld,
+                    "{} is not in the world's coordinates", person.name);
     CANONPOSE_CHECK(person.unit == people.front().unit, "{} and {}", ToString(person.unit),
                     ToString(people.front().unit));
     CANONPOSE_CHECK(person.frame_count() == frames, "{} and {} frames", person.frame_count(), frames);

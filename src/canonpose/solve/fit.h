@@ -72,7 +72,8 @@ std::vector<double> MeasureAccelerations(const CaptureObservations& capture, con
 /// their turning over a second of `frames` (ascending), in which the error of a frame's rotation tells little. The
 /// expected turning of AdjustmentScales where no run is as long as half a second. Twice what is measured, since turns
 /// come in spurts.
-double MeasureAngularVelocity(const CaptureObservations& capture, std::span<const int> frames, const RigEstimate& estimate);
+double MeasureAngularVelocity(const CaptureObservations& capture, std::span<const int> frames,
+                              const RigEstimate& estimate);
 
 /// Of values of frames: the means of blocks of half a second, since frames near in time are much alike, and the mean of
 /// these with its variance.

@@ -71,8 +71,10 @@ RowForm Form(const char* ray, const char* focal = "known") { return {TrainingTar
 /// A row's copy in a batch.
 struct Copy {
   explicit Copy(const TrainingSet& set, int row) {
-    keypoints.assign(set.keypoints.begin() + 2L * kFilmedJoints * row, set.keypoints.begin() + 2L * kFilmedJoints * (row + 1));
-    confidence.assign(set.confidence.begin() + 1L * kFilmedJoints * row, set.confidence.begin() + 1L * kFilmedJoints * (row + 1));
+    keypoints.assign(set.keypoints.begin() + 2L * kFilmedJoints * row,
+                     set.keypoints.begin() + 2L * kFilmedJoints * (row + 1));
+    confidence.assign(set.confidence.begin() + 1L * kFilmedJoints * row,
+                      set.confidence.begin() + 1L * kFilmedJoints * (row + 1));
     target.assign(set.target.begin() + 3L * kFilmedJoints * row, set.target.begin() + 3L * kFilmedJoints * (row + 1));
   }
   TrainingRow row() { return {keypoints.data(), confidence.data(), target.data(), nullptr}; }

@@ -107,7 +107,7 @@ TEST(H36mTest, UnitAndSidesAreReported) {
   EXPECT_THAT(Refusal(with_3d("h36m_3d_unit.npz")),
               AllOf(HasSubstr("legs of 300 to 1300 mm"), HasSubstr("e+05 units")));
   EXPECT_THAT(Import(with_3d("h36m_3d_swapped.npz")).log,
-              HasSubstr("warning: S9 WalkDog 1: left and right look swapped, or knees bend backwards"));
+              HasSubstr("warning: S9 WalkDog 1: left and right look swapped, or the knees bend backwards"));
   EXPECT_THAT(metres_log, Not(HasSubstr("swapped")));
 }
 

@@ -14,7 +14,7 @@
 
 namespace canonpose {
 
-/// Something that was found or given, and how: "from --height 1.75", "" where it is unknown.
+/// Something that was found or given, and how: "the height given", "" where it is unknown.
 struct Provenance {
   std::string source;
   [[nodiscard]] bool is_known() const { return !source.empty(); }

@@ -131,8 +131,7 @@ TEST(DetectorStatistics, MeasuresKnownErrors) {
 
 TEST(DetectorStatistics, DescribesItselfInATable) {
   const std::string text = Collect("ptz", DetectorOptions{}, 1).Describe();
-  for (const char* word :
-       {"percentile", "RWrist", "all", "hidden", "swapped", "missed", "confidence AUC", "Spearman"}) {
+  for (const char* word : {"percentile", "RWrist", "all", "hidden", "swap", "missed", "confidence AUC", "Spearman"}) {
     EXPECT_THAT(text, ::testing::HasSubstr(word));
   }
   EXPECT_EQ(text.find("nan"), std::string::npos) << text;

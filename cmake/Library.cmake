@@ -7,7 +7,7 @@ set(CANONPOSE_PUBLIC_HEADERS
   skeleton/skeleton.h
   geometry/camera.h
   scene/pose_sequence.h scene/scene.h
-  data/choice.h data/dataset.h data/import.h data/readers/benchmarks/benchmark.h
+  data/choice.h data/dataset.h data/import.h data/solved_scene.h data/readers/benchmarks/benchmark.h
   simulate/simulator.h
   evaluate/report.h
   solve/solver.h

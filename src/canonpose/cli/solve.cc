@@ -7,9 +7,9 @@
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
-#include "canonpose/cli/bootstrap.h"
 #include "canonpose/cli/commands.h"
 #include "canonpose/data/dataset.h"
+#include "canonpose/pipeline/bootstrap.h"
 #include "canonpose/solve/solver.h"
 
 namespace canonpose {
@@ -50,9 +50,8 @@ void AddSolveCommand(CLI::App& app) {
       ->required();
   command->add_option("--model", arguments->bootstrap.model, "Run or model file of a lifter to start from");
   command
-      ->add_option_function<std::string>(
-          "--bootstrap",
-          [arguments](const std::string& name) { arguments->bootstrap.kind = ParseEnum<BootstrapKind>(name).value(); },
+      ->add_option(
+          "--bootstrap", arguments->bootstrap.kind,
           "Without a model, start from: starter (a lifter trained on simulated people, which comes with the program), "
           "method (trained on the data itself), factorisation (no lifter: static cameras, any body), or auto: "
           "the starter where it knows the joints, otherwise factorisation or, for moving cameras, the method")

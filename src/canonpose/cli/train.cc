@@ -12,13 +12,13 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/progress.h"
-#include "canonpose/cli/best.h"
 #include "canonpose/cli/commands.h"
 #include "canonpose/cli/field_options.h"
 #include "canonpose/cli/interrupt.h"
 #include "canonpose/data/choice.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/model/pose_morph.h"
+#include "canonpose/pipeline/solve_then_train.h"
 #include "canonpose/train/trainer.h"
 
 namespace canonpose {
@@ -106,7 +106,7 @@ void RunTrain(const TrainArguments& arguments) {
   }
 
   const StopOnSignal stop;
-  const TrainReport report = job.options.supervision == Supervision::kSolved ? TrainBest(job) : Train(job);
+  const TrainReport report = job.options.supervision == Supervision::kSolved ? SolveThenTrain(job) : Train(job);
   if (report.stopped) {
     LogInfo("stopped and saved; to continue, run the same command with --resume");
     throw CLI::RuntimeError(stop.exit_code());

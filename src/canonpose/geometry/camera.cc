@@ -11,7 +11,7 @@ namespace {
 
 Eigen::Vector2d NotAPoint() { return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
-/// Whether a point lies so far off the axis that the radial distortion has turned back: no lens shows it there.
+/// Whether a point lies so far off the axis that the radial distortion folds back, as no lens does.
 bool IsBeyondLens(const Eigen::Vector2d& normalised, const std::array<double, 5>& distortion) {
   const double k1 = distortion[0];
   const double k2 = distortion[1];
@@ -42,9 +42,9 @@ Eigen::Vector2d Distort(const Eigen::Vector2d& normalised, const std::array<doub
           y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
 }
 
-Eigen::Vector2d Camera::ProjectFromCamera(const Eigen::Vector3d& point_in_camera_mm) const {
-  if (!(point_in_camera_mm.z() > 0.0)) return NotAPoint();
-  const Eigen::Vector2d normalised = point_in_camera_mm.head<2>() / point_in_camera_mm.z();
+Eigen::Vector2d Camera::ProjectFromCamera(const Eigen::Vector3d& point_in_camera) const {
+  if (!(point_in_camera.z() > 0.0)) return NotAPoint();
+  const Eigen::Vector2d normalised = point_in_camera.head<2>() / point_in_camera.z();
   if (IsBeyondLens(normalised, distortion)) return NotAPoint();
   const Eigen::Vector2d distorted = Distort(normalised, distortion);
   return (K * distorted.homogeneous()).hnormalized();

@@ -173,8 +173,8 @@ void AdjustmentProblem::AddCameraMotion() {
       CameraEstimate& now = estimate_.CameraAt(frames_[i], v);
       CameraEstimate& before = estimate_.CameraAt(frames_[i] - 1, v);
       if (!now.valid || !before.valid) continue;
-      problem_.AddResidualBlock(AngularVelocityTerm::Create(fps / scales.angular_velocity), nullptr, before.quaternion.data(),
-                                now.quaternion.data());
+      problem_.AddResidualBlock(AngularVelocityTerm::Create(fps / scales.angular_velocity), nullptr,
+                                before.quaternion.data(), now.quaternion.data());
       problem_.AddResidualBlock(ZoomTerm::Create(std::sqrt(fps) / scales.zoom_per_second), nullptr, &before.log_focal,
                                 &now.log_focal);
       if (!FollowsRun(i, 3)) continue;

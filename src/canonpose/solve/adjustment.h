@@ -27,7 +27,7 @@ struct AdjustmentScales {
   NoiseModel observation;            ///< error of detected joints
   double bone = 0.03;                ///< relative
   std::vector<double> acceleration;  ///< (J) per frame^2; empty: no smoothness
-  double angular_velocity = 0.3;   ///< of a moving camera about each axis; MeasureAngularVelocity() knows better
+  double angular_velocity = 0.3;     ///< of a moving camera about each axis; MeasureAngularVelocity() knows better
   double angular_acceleration = 0.1;
   double zoom_per_second = 0.1;  ///< change of the log focal length in one second, growing with the root of time
   double log_focal = 0.7;        ///< of the logarithm of the focal length

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <vector>
 
 #include "canonpose/base/median.h"
 #include "canonpose/base/parallel.h"
@@ -47,16 +48,32 @@ void AdjustTwice(const CaptureObservations& capture, std::span<const int> frames
   AdjustToNoise(capture, frames, fixed_view, solution);
 }
 
+/// What one of the two mirrors came to after each adjustment; the last is the result.
+using Stages = std::vector<Solution>;
+
+/// How many standard errors the first mirror explains the frames better than the second after every adjustment: the
+/// least of these leads, 0 where the mirrors take turns.
+double LastingPreference(const CaptureObservations& capture, std::span<const int> frames, const Stages& a,
+                         const Stages& b) {
+  double least = Preference(capture, frames, a.front(), b.front());
+  for (std::size_t i = 1; i < a.size(); ++i) {
+    const double preference = Preference(capture, frames, a[i], b[i]);
+    if (preference * least <= 0.0) return 0.0;
+    if (std::abs(preference) < std::abs(least)) least = preference;
+  }
+  return least;
+}
+
 /// Solves from the start's poses and from their depth mirror, and keeps what explains the keypoints better. Without
 /// sure evidence the start is kept: a lifter has learnt from people, or its own mirror was decided when it was trained;
 /// with a factorisation either is as good.
 Solution DecideMirror(const CaptureObservations& capture, std::span<const int> frames,
-                      const CalibrationOptions& options, const std::function<Solution(bool mirrored)>& solve) {
-  if (options.mirror != "auto") return solve(options.mirror == "flip");
-  std::array<Solution, 2> solutions;
-  InParallel(2, options.threads, [&](int i) { solutions[static_cast<std::size_t>(i)] = solve(i == 1); });
-  const double preference = Preference(capture, frames, solutions[0], solutions[1]);
-  Solution& best = solutions[preference < -kSureSigma ? 1 : 0];
+                      const CalibrationOptions& options, const std::function<Stages(bool mirrored)>& solve) {
+  if (options.mirror != "auto") return std::move(solve(options.mirror == "flip").back());
+  std::array<Stages, 2> stages;
+  InParallel(2, options.threads, [&](int i) { stages[static_cast<std::size_t>(i)] = solve(i == 1); });
+  const double preference = LastingPreference(capture, frames, stages[0], stages[1]);
+  Solution& best = stages[preference < -kSureSigma ? 1 : 0].back();
   best.mirror_sigma = std::abs(preference);
   if (preference < 0.0 && !best.mirrored) best.mirror_sigma = preference;
   return std::move(best);
@@ -111,7 +128,7 @@ Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOp
     solution.mirrored = mirrored;
     solution.estimate = InitialiseStatic(capture, frames, camera_from_world, mirrored);
     AdjustTwice(capture, frames, ReferenceView(camera_from_world), solution);
-    return solution;
+    return Stages{std::move(solution)};
   });
 }
 
@@ -130,11 +147,13 @@ Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOp
     solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
     AdjustTwice(capture, frames, -1, solution);
     solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);
-    // Once more, now that the turning is known: or the mirror that had to turn less would have a lead.
+    Stages stages{solution};
+    // Once more with the angular velocity that was measured: a lead that only one of the adjustments shows is chance.
     AdjustToNoise(capture, frames, -1, solution);
     solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);
     SpreadFocalLengths(capture, frames, solution);
-    return solution;
+    stages.push_back(std::move(solution));
+    return stages;
   });
 }
 

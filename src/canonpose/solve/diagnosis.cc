@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/median.h"
+#include "canonpose/geometry/angles.h"
 #include "canonpose/solve/calibration.h"
 #include "canonpose/solve/initialisation.h"
 
@@ -33,8 +34,6 @@ constexpr double kMaxDepthOverWidth = 1.8;
 /// A quarter longer. Good captures: up to 0.08, with twice the noise 0.14.
 constexpr double kMaxAsymmetry = 0.223;
 
-double Degrees(double radians) { return radians * 180.0 / M_PI; }
-
 /// The root's distance to the farthest joint is about this share of a body; the median joint's serves as size.
 double ImageSize(const CaptureObservations& capture, int frame, int view) {
   const Eigen::Vector2d root = capture.At(frame, view, capture.skeleton.root);
@@ -59,7 +58,7 @@ double LargestAngle(const CaptureObservations& capture, const RigEstimate& estim
       largest = std::max(largest, std::acos(std::min(1.0, cosine)));
     }
   }
-  return Degrees(largest);
+  return DegFromRad(largest);
 }
 
 /// Extent along the viewing axis against across it; NaN where joints are missing.

@@ -28,6 +28,10 @@ struct Solution {
 /// Cauchy's loss of an error that is given in units of its scatter.
 inline double CauchyLoss(double error) { return std::log1p(error * error / (kLossScale * kLossScale)); }
 
+/// How much an error counts under that loss against one that is next to nothing: the loss's derivative by the squared
+/// error, times kLossScale^2.
+inline double CauchyWeight(double error) { return 1.0 / (1.0 + error * error / (kLossScale * kLossScale)); }
+
 /// How far a point in a camera's frame is from the ray of a keypoint, at the point's depth: in body units, as far as a
 /// projection is off. Behind the camera it means nothing; see DistanceInFront().
 inline double DistanceAtDepth(const Eigen::Vector3d& in_camera, double focal, const Eigen::Vector2d& keypoint) {
@@ -68,7 +72,8 @@ std::vector<double> MeasureAccelerations(const CaptureObservations& capture, con
 /// their turning over a second of `frames` (ascending), in which the error of a frame's rotation tells little. The
 /// expected turning of AdjustmentScales where no run is as long as half a second. Twice what is measured, since turns
 /// come in spurts.
-double MeasureAngularVelocity(const CaptureObservations& capture, std::span<const int> frames, const RigEstimate& estimate);
+double MeasureAngularVelocity(const CaptureObservations& capture, std::span<const int> frames,
+                              const RigEstimate& estimate);
 
 /// Of values of frames: the means of blocks of half a second, since frames near in time are much alike, and the mean of
 /// these with its variance.

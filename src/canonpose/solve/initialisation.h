@@ -1,26 +1,25 @@
 // From rotations between cameras to a first estimate of everything, without iteration over unknowns of many frames.
 #pragma once
 
-#include <cmath>
 #include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "canonpose/geometry/points.h"
+#include "canonpose/geometry/triangulation.h"
 #include "canonpose/solve/adjustment.h"
 #include "canonpose/solve/observations.h"
 #include "canonpose/solve/rig_estimate.h"
 
 namespace canonpose {
 
-using Points3 = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
-
 /// The depth mirror of a rotation, F R F with F = diag(1, 1, -1).
 Eigen::Matrix3d MirrorRotation(const Eigen::Matrix3d& rotation);
 
 /// A frame as orthographic views with known rotations see it.
 struct FrameShape {
-  Points3 joints;              ///< (J, 3) in the world, centred on the root; the sum of the bone lengths is 1
+  Points3d joints;             ///< (J, 3) in the world, centred on the root; the sum of the bone lengths is 1
   std::vector<double> scales;  ///< (V) normalised image coordinates a unit; 0 where the view has no part
   bool valid = false;          ///< two views at least were lifted and have a rotation
 };
@@ -42,15 +41,9 @@ RigEstimate InitialiseStatic(const CaptureObservations& capture, std::span<const
 RigEstimate InitialiseMoving(const CaptureObservations& capture, std::span<const int> frames,
                              const std::vector<std::vector<Eigen::Matrix3d>>& camera_from_world, bool mirrored);
 
-/// A joint from the views that see it.
-struct Triangulation {
-  Eigen::Vector3d point = Eigen::Vector3d::Constant(std::nan(""));  ///< in the world; NaN from fewer than two views
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();            ///< inverse covariance, body units
-};
-
-/// Linear triangulation, reweighted so that a bad view counts little. `left_out_view` has no part; -1: all have.
-Triangulation TriangulateJoint(const CaptureObservations& capture, int frame, int joint, const AdjustmentScales& scales,
-                               const RigEstimate& estimate, int left_out_view = -1);
+/// A joint from the views that see it (TriangulateRobustly()), in body units. `left_out_view` is ignored; -1: none is.
+RobustPoint TriangulateJoint(const CaptureObservations& capture, int frame, int joint, const AdjustmentScales& scales,
+                             const RigEstimate& estimate, int left_out_view = -1);
 
 /// Sets the joints of a frame of a static rig whose cameras are known, by linear triangulation from all views that see
 /// them, reweighted so that a bad view counts little. Joints seen by one view only are put beside their parent in the

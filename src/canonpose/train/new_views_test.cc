@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "canonpose/geometry/angles.h"
 #include "canonpose/train/augmentation.h"
 
 namespace canonpose {
@@ -204,7 +205,7 @@ TEST(NewViews, CamerasTurnAboutTheVerticalAndKeepTheirTilt) {
   }
   // Tilt and roll both move the vertical, roll a little less: the cameras look down by 0.3.
   const double expected_deg = 5.0 * std::sqrt(1.0 + std::pow(std::cos(0.3), 2));
-  EXPECT_NEAR(std::sqrt(squares_rad2) * 180.0 / std::numbers::pi, expected_deg, 0.3);
+  EXPECT_NEAR(DegFromRad(std::sqrt(squares_rad2)), expected_deg, 0.3);
   EXPECT_NEAR(std::sqrt(squares_log), 0.15, 0.01);
   for (const int quarter : quarters) EXPECT_NEAR(quarter, kDraws / 4, kDraws / 20);
 }

@@ -7,8 +7,8 @@
 
 namespace canonpose {
 
-/// Replaces solved poses by triangulated ones (TriangulateSequence() of evaluate/reference.h), and solved cameras by
-/// the calibrated ones.
+/// Replaces solved poses by triangulated ones (TriangulateSequence() of data/sequence_triangulation.h), and solved
+/// cameras by the calibrated ones.
 void LearnFromTriangulation(Dataset& dataset);
 
 }  // namespace canonpose

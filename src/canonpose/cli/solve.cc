@@ -56,7 +56,7 @@ void AddSolveCommand(CLI::App& app) {
           "method (trained on the data itself), factorisation (no lifter: static cameras, any body), or auto: "
           "the starter where it knows the joints, otherwise factorisation or, for moving cameras, the method")
       ->check(CLI::IsMember({"auto", "starter", "method", "factorisation"}))
-      ->default_str("auto");
+      ->capture_default_str();
   command
       ->add_option("--mirror", arguments->options.mirror,
                    "auto: decide by perspective; keep or flip: the start's poses as they are, or mirrored in depth")

@@ -12,7 +12,7 @@
 
 namespace canonpose {
 
-void UseOneThread() { SetThreadCount(0); }
+std::shared_ptr<const void> UseOneThread() { return std::make_shared<const ThreadScope>(0); }
 
 std::string DescribeLinearAlgebra() {
   const LinearAlgebraSpeed speed = MeasureLinearAlgebra();
@@ -35,7 +35,7 @@ void ApplyMorph(const std::filesystem::path& model, Dataset& dataset, const std:
 EvaluationReport EvaluateModel(const std::filesystem::path& model, const std::string& device,
                                const DatasetEvaluation& job) {
   const PoseLifter lifter = PoseLifter::Open(model, device);
-  if (job.canonical && lifter.info().network != "canonical") {
+  if (job.canonical && lifter.info().network != NetworkKind::kCanonical) {
     ThrowInvalidArgument("`canonical` is for models with a canonical pose: {} predicts poses in the camera alone",
                          model.string());
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -11,8 +12,8 @@
 
 namespace canonpose {
 
-/// Networks are computed by one thread from now on; training chooses for itself.
-void UseOneThread();
+/// Networks are computed by one thread while the result lives, except in training, which chooses for itself.
+std::shared_ptr<const void> UseOneThread();
 
 /// The library that multiplies matrices here, and how fast it is, as JSON; "null" without LibTorch.
 std::string DescribeLinearAlgebra();

@@ -36,7 +36,7 @@ TrainJob SmallJob(const std::filesystem::path& run_folder) {
 TEST(SolveThenTrain, SolvesFirstAndKeepsWhatItFound) {
   const TemporaryFolder folder;
   const TrainReport report = SolveThenTrain(SmallJob(folder / "run"));
-  EXPECT_GT(report.model.steps, 0);
+  EXPECT_GT(report.model.info.steps, 0);
   EXPECT_FALSE(report.stopped);
   EXPECT_TRUE(ReadDataset(folder / "run/solved-0.h5").HasSolved());
   EXPECT_THAT(ReadFile(folder / "run/solved-0.json"), HasSubstr("\"captures\""));

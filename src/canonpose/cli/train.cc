@@ -119,10 +119,6 @@ void RunTrain(const TrainArguments& arguments) {
           (job.run_folder / "model.cpm").string());
 }
 
-}  // namespace
-
-namespace {
-
 std::string TrainFooter() {
   std::vector<std::pair<std::string, std::string>> presets;
   for (const Preset& preset : Presets()) presets.emplace_back(preset.name, preset.description);

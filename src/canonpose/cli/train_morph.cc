@@ -78,8 +78,8 @@ void RunTrainMorph(const TrainMorphArguments& arguments) {
           report.after_percent, report.before_percent, (job.run_folder / "model.cpm").string());
   if (report.after_percent >= report.before_percent) {
     LogWarning(
-        "the model makes held-out poses worse: do not use it. Train with more poses or more --epochs, or lift without a "
-        "morphing network");
+        "the model makes held-out poses worse: do not use it. Train with more poses or more --epochs, or lift without "
+        "it");
   }
 }
 

@@ -1,7 +1,9 @@
 #include "canonpose/solve/adjustment.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string>
 
 #include <ceres/loss_function.h>
 #include <ceres/manifold.h>
@@ -40,7 +42,7 @@ class AdjustmentProblem {
   void AddCameraMotion();
   void AddFocalPriors();
   void FixWhatIsKnown();
-  bool Solve();
+  AdjustmentSummary Solve();
 
  private:
   static ceres::Problem::Options ProblemOptions() {
@@ -173,8 +175,8 @@ void AdjustmentProblem::AddCameraMotion() {
       CameraEstimate& now = estimate_.CameraAt(frames_[i], v);
       CameraEstimate& before = estimate_.CameraAt(frames_[i] - 1, v);
       if (!now.valid || !before.valid) continue;
-      problem_.AddResidualBlock(AngularVelocityTerm::Create(fps / scales.angular_velocity), nullptr, before.quaternion.data(),
-                                now.quaternion.data());
+      problem_.AddResidualBlock(AngularVelocityTerm::Create(fps / scales.angular_velocity), nullptr,
+                                before.quaternion.data(), now.quaternion.data());
       problem_.AddResidualBlock(ZoomTerm::Create(std::sqrt(fps) / scales.zoom_per_second), nullptr, &before.log_focal,
                                 &now.log_focal);
       if (!FollowsRun(i, 3)) continue;
@@ -247,15 +249,34 @@ void AdjustmentProblem::FixWhatIsKnown() {
   }
 }
 
-bool AdjustmentProblem::Solve() {
-  if (!has_observations_) return false;
+/// From Ceres's summary; the reason is its message.
+AdjustmentSummary Summarise(const ceres::Solver::Summary& found) {
+  AdjustmentSummary summary;
+  if (found.termination_type == ceres::CONVERGENCE) summary.ending = AdjustmentEnding::kConverged;
+  if (found.termination_type == ceres::NO_CONVERGENCE) summary.ending = AdjustmentEnding::kIterationLimit;
+  summary.reason = found.message;
+  std::ranges::replace(summary.reason, '\n', ' ');
+  while (summary.reason.ends_with('.') || summary.reason.ends_with(' ')) summary.reason.pop_back();
+  // The first entry is the start.
+  summary.iterations = std::max(0, static_cast<int>(found.iterations.size()) - 1);
+  if (found.initial_cost >= 0.0) summary.initial_cost = found.initial_cost;  // -1 where it could not be computed
+  if (found.final_cost >= 0.0) summary.final_cost = found.final_cost;
+  return summary;
+}
+
+AdjustmentSummary AdjustmentProblem::Solve() {
+  if (!has_observations_) {
+    AdjustmentSummary nothing;
+    nothing.reason = "no camera whose pose is known sees a joint whose position is known";
+    return nothing;
+  }
   ceres::Solver::Options options = SerialOptions(ceres::SPARSE_NORMAL_CHOLESKY, options_.iterations);
   options.function_tolerance = 1e-5;
   options.parameter_tolerance = 1e-7;
   ceres::Solver::Summary summary;
   const OneOpenMpThread one_thread;
   ceres::Solve(options, &problem_, &summary);
-  return summary.IsSolutionUsable();
+  return Summarise(summary);
 }
 
 }  // namespace
@@ -269,8 +290,20 @@ std::vector<int> RunsOf(const CaptureObservations& capture, std::span<const int>
   return runs;
 }
 
-bool Adjust(const CaptureObservations& capture, std::span<const int> frames, const AdjustmentOptions& options,
-            RigEstimate& estimate) {
+const char* NameOf(AdjustmentEnding ending) {
+  switch (ending) {
+    case AdjustmentEnding::kConverged:
+      return "converged";
+    case AdjustmentEnding::kIterationLimit:
+      return "stopped early";
+    case AdjustmentEnding::kFailed:
+      return "failed";
+  }
+  return "";
+}
+
+AdjustmentSummary Adjust(const CaptureObservations& capture, std::span<const int> frames,
+                         const AdjustmentOptions& options, RigEstimate& estimate) {
   AdjustmentProblem problem(capture, frames, options, estimate);
   problem.AddObservations();
   problem.AddBones();

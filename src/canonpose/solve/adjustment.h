@@ -13,7 +13,9 @@
 // of a frame are eliminated first.
 #pragma once
 
+#include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "canonpose/solve/noise_model.h"
@@ -27,7 +29,7 @@ struct AdjustmentScales {
   NoiseModel observation;            ///< error of detected joints
   double bone = 0.03;                ///< relative
   std::vector<double> acceleration;  ///< (J) per frame^2; empty: no smoothness
-  double angular_velocity = 0.3;   ///< of a moving camera about each axis; MeasureAngularVelocity() knows better
+  double angular_velocity = 0.3;     ///< of a moving camera about each axis; MeasureAngularVelocity() knows better
   double angular_acceleration = 0.1;
   double zoom_per_second = 0.1;  ///< change of the log focal length in one second, growing with the root of time
   double log_focal = 0.7;        ///< of the logarithm of the focal length
@@ -47,10 +49,31 @@ struct AdjustmentOptions {
   int fixed_view = -1;  ///< static cameras: the one that is the world; -1: none is held
 };
 
-/// Improves `estimate` at `frames` (ascending). Joints that are NaN, and cameras that are not valid, take no part.
-/// Returns false, the estimate as good as it got, where the solver failed.
-bool Adjust(const CaptureObservations& capture, std::span<const int> frames, const AdjustmentOptions& options,
-            RigEstimate& estimate);
+enum class AdjustmentEnding {
+  kConverged,       ///< a further step would hardly lower the cost
+  kIterationLimit,  ///< stopped early, after AdjustmentOptions::iterations; the estimate is as good as it got
+  kFailed,          ///< the estimate is as it was before, and not a solution
+};
+
+/// "converged", "stopped early" or "failed".
+const char* NameOf(AdjustmentEnding ending);
+
+/// How an adjustment went.
+struct [[nodiscard]] AdjustmentSummary {
+  AdjustmentEnding ending = AdjustmentEnding::kFailed;
+  std::string reason = "not started";  ///< why it ended there, in words, one line
+  int iterations = 0;
+  /// Half of E at the start and at the end; NaN where it could not be computed.
+  double initial_cost = std::numeric_limits<double>::quiet_NaN();
+  double final_cost = std::numeric_limits<double>::quiet_NaN();
+
+  [[nodiscard]] bool IsUsable() const { return ending != AdjustmentEnding::kFailed; }
+};
+
+/// Improves `estimate` at `frames` (ascending). Joints that are NaN and cameras that are not valid take no part. Never
+/// throws for numerical reasons: the summary says how it went.
+AdjustmentSummary Adjust(const CaptureObservations& capture, std::span<const int> frames,
+                         const AdjustmentOptions& options, RigEstimate& estimate);
 
 /// The number of the run of consecutive frames of one clip that each of `frames` belongs to.
 std::vector<int> RunsOf(const CaptureObservations& capture, std::span<const int> frames);

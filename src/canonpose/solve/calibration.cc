@@ -23,28 +23,38 @@ constexpr int kRuns = 6;
 constexpr int kRunFrames = 50;
 
 /// To the scatter that there is.
-void AdjustToNoise(const CaptureObservations& capture, std::span<const int> frames, int fixed_view,
-                   Solution& solution) {
+AdjustmentSummary AdjustToNoise(const CaptureObservations& capture, std::span<const int> frames, int fixed_view,
+                                Solution& solution) {
   AdjustmentOptions options;
   options.fixed_view = fixed_view;
   options.scales = solution.scales;
   options.loss_scale = kLossScale;
   options.iterations = capture.static_cameras ? 100 : 15;
-  Adjust(capture, frames, options, solution.estimate);
-  solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+  AdjustmentSummary summary = Adjust(capture, frames, options, solution.estimate);
+  if (summary.IsUsable()) solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+  return summary;
 }
 
 /// From far off with a wide loss, then to the scatter that there is.
-void AdjustTwice(const CaptureObservations& capture, std::span<const int> frames, int fixed_view, Solution& solution) {
+AdjustmentSummary AdjustTwice(const CaptureObservations& capture, std::span<const int> frames, int fixed_view,
+                              Solution& solution) {
+  const bool has_joints =
+      std::ranges::any_of(solution.estimate.joints, [](const Eigen::Vector3d& joint) { return joint.allFinite(); });
+  if (!has_joints) {
+    AdjustmentSummary nothing;
+    nothing.reason = "the poses to start from contradict the keypoints in every frame";
+    return nothing;
+  }
   AdjustmentOptions options;
   options.fixed_view = fixed_view;
   options.scales = solution.scales;
   options.scales.observation = MeasureNoise(capture, frames, solution.estimate);
   options.loss_scale = 3.0;
   options.iterations = 10;
-  Adjust(capture, frames, options, solution.estimate);
+  AdjustmentSummary coarse = Adjust(capture, frames, options, solution.estimate);
+  if (!coarse.IsUsable()) return coarse;
   solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
-  AdjustToNoise(capture, frames, fixed_view, solution);
+  return AdjustToNoise(capture, frames, fixed_view, solution);
 }
 
 /// Solves from the start's poses and from their depth mirror, and keeps what explains the keypoints better. Without
@@ -55,6 +65,8 @@ Solution DecideMirror(const CaptureObservations& capture, std::span<const int> f
   if (options.mirror != "auto") return solve(options.mirror == "flip");
   std::array<Solution, 2> solutions;
   InParallel(2, options.threads, [&](int i) { solutions[static_cast<std::size_t>(i)] = solve(i == 1); });
+  // A mirror that could not be adjusted is no evidence either way.
+  if (!solutions[0].calibration.IsUsable() || !solutions[1].calibration.IsUsable()) return std::move(solutions[0]);
   const double preference = Preference(capture, frames, solutions[0], solutions[1]);
   Solution& best = solutions[preference < -kSureSigma ? 1 : 0];
   best.mirror_sigma = std::abs(preference);
@@ -110,7 +122,7 @@ Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOp
     Solution solution;
     solution.mirrored = mirrored;
     solution.estimate = InitialiseStatic(capture, frames, camera_from_world, mirrored);
-    AdjustTwice(capture, frames, ReferenceView(camera_from_world), solution);
+    solution.calibration = AdjustTwice(capture, frames, ReferenceView(camera_from_world), solution);
     return solution;
   });
 }
@@ -128,10 +140,12 @@ Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOp
     solution.mirrored = mirrored;
     solution.estimate = InitialiseMoving(capture, usable, camera_from_world, mirrored);
     solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
-    AdjustTwice(capture, frames, -1, solution);
+    solution.calibration = AdjustTwice(capture, frames, -1, solution);
+    if (!solution.calibration.IsUsable()) return solution;
     solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);
     // Once more, now that the turning is known: or the mirror that had to turn less would have a lead.
-    AdjustToNoise(capture, frames, -1, solution);
+    solution.calibration = AdjustToNoise(capture, frames, -1, solution);
+    if (!solution.calibration.IsUsable()) return solution;
     solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);
     SpreadFocalLengths(capture, frames, solution);
     return solution;

@@ -19,6 +19,7 @@ struct CalibrationOptions {
 
 /// The cameras of a static capture and the bone lengths of its subjects, from frames spread evenly over it; joints are
 /// set in these frames only. Starts from the lifter's poses: their relative rotations, averaged over all frames.
+/// Solution::calibration says whether it succeeded.
 Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOptions& options);
 
 /// The same for moving cameras, from short runs of frames; elsewhere cameras and joints are left as first estimated

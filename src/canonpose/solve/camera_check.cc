@@ -112,6 +112,7 @@ void AlignCameras(CaptureObservations& capture, const Calibrate& calibrate, Solu
     }
     if (!moved) return;
     solution = calibrate(capture);
+    if (!solution.calibration.IsUsable()) return;
   }
 }
 
@@ -134,6 +135,7 @@ int FindStranger(const CaptureObservations& capture, const Calibrate& calibrate,
     DropView(without, v);
     if (static_cast<int>(FramesWithStart(without).size()) < kMinFrames) continue;
     Solution candidate = calibrate(without);
+    if (!candidate.calibration.IsUsable()) continue;
     const double error = MedianError(without, candidate);
     if (!(error < best)) continue;
     best = error;
@@ -178,6 +180,7 @@ CameraCheck CheckCameras(CaptureObservations& capture, const Calibrate& calibrat
   check.dropped.assign(capture.cameras.size(), false);
   for (;;) {
     if (capture.static_cameras) AlignCameras(capture, calibrate, solution, check.offsets);
+    if (!solution.calibration.IsUsable()) return check;
     const int stranger = FindStranger(capture, calibrate, solution);
     if (stranger < 0) break;
     DropView(capture, stranger);

@@ -10,7 +10,8 @@
 
 namespace canonpose {
 
-/// Finds cameras and joints of a capture from its keypoints as they are.
+/// Finds cameras and joints of a capture from its keypoints as they are; Solution::calibration says whether it
+/// succeeded.
 using Calibrate = std::function<Solution(const CaptureObservations&)>;
 
 /// What was found wrong with the cameras of a capture, and mended in its observations.
@@ -32,7 +33,7 @@ double DisagreementOf(const CaptureObservations& capture, const Solution& soluti
 
 /// Shifts views of static cameras in time until they fit, and drops views that do not belong to the others, in
 /// `capture`; calibrates again after every change, `solution` being the calibration of the capture as it is. With two
-/// cameras none is dropped: nobody knows which.
+/// cameras none is dropped: nobody knows which. Stops early where a calibration fails, which `solution` then says.
 CameraCheck CheckCameras(CaptureObservations& capture, const Calibrate& calibrate, Solution& solution);
 
 /// The median distance of all keypoints from the joints of a solution, body units.

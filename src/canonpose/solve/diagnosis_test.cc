@@ -94,6 +94,16 @@ TEST(Failures, TwoCamerasThatShowDifferentPeople) {
   EXPECT_THAT(FailureOf(dataset), HasSubstr("cameras do not agree"));
 }
 
+TEST(Failures, PosesToStartFromThatContradictTheKeypoints) {
+  Dataset dataset = testing::Simulate(OneClip()).dataset;
+  StartPoses upside_down = testing::NoisyTruth(dataset);
+  for (std::vector<float>& view : upside_down.sequences[0]) {
+    for (std::size_t i = 0; i < view.size(); ++i) view[i] *= i % 3 == 2 ? 1.0F : -1.0F;
+  }
+  EXPECT_THAT(ErrorOf(ErrorKind::kComputation, [&] { Solve(dataset, upside_down, {}); }),
+              AllOf(HasSubstr("the cameras could not be found"), HasSubstr("contradict the keypoints in every frame")));
+}
+
 TEST(Failures, OneOfTwoCapturesIsToldInTheReport) {
   Dataset dataset = testing::Simulate(OneClip()).dataset;
   Sequence broken = dataset.sequences[0];

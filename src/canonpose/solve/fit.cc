@@ -64,7 +64,8 @@ std::vector<double> MeasureAccelerations(const CaptureObservations& capture, con
   return scatter;
 }
 
-double MeasureAngularVelocity(const CaptureObservations& capture, std::span<const int> frames, const RigEstimate& estimate) {
+double MeasureAngularVelocity(const CaptureObservations& capture, std::span<const int> frames,
+                              const RigEstimate& estimate) {
   constexpr double kSpurts = 2.0;
   constexpr double kMin = 0.1;
   constexpr double kMax = 1.0;

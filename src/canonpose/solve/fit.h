@@ -23,6 +23,8 @@ struct Solution {
   AdjustmentScales scales;
   bool mirrored = false;      ///< found from the depth mirror of the start's poses
   double mirror_sigma = 0.0;  ///< Preference() over the mirrored solution
+  /// How the last adjustment of the calibration went, or the first that failed: then the rest is no solution.
+  AdjustmentSummary calibration{};
 };
 
 /// Cauchy's loss of an error that is given in units of its scatter.
@@ -68,7 +70,8 @@ std::vector<double> MeasureAccelerations(const CaptureObservations& capture, con
 /// their turning over a second of `frames` (ascending), in which the error of a frame's rotation tells little. The
 /// expected turning of AdjustmentScales where no run is as long as half a second. Twice what is measured, since turns
 /// come in spurts.
-double MeasureAngularVelocity(const CaptureObservations& capture, std::span<const int> frames, const RigEstimate& estimate);
+double MeasureAngularVelocity(const CaptureObservations& capture, std::span<const int> frames,
+                              const RigEstimate& estimate);
 
 /// Of values of frames: the means of blocks of half a second, since frames near in time are much alike, and the mean of
 /// these with its variance.

@@ -42,6 +42,80 @@ CameraReport DescribeCamera(const CaptureObservations& capture, const Solution& 
   return report;
 }
 
+/// The frames of windows that failed, by number (F).
+std::vector<bool> InFailedWindow(const CaptureObservations& capture, const WindowsSummary& windows) {
+  std::vector<bool> failed(static_cast<std::size_t>(capture.frame_count), false);
+  for (const FailedWindow& window : windows.failed) {
+    const int first = capture.clips[static_cast<std::size_t>(window.clip)].first + window.first_frame;
+    std::fill_n(failed.begin() + first, window.frame_count, true);
+  }
+  return failed;
+}
+
+/// Counts the frames that are solved and, by reason, those that are not.
+void CountFrames(const CaptureObservations& capture, const RigEstimate& estimate, const WindowsSummary& windows,
+                 CaptureReport& report) {
+  const std::vector<bool> in_failed_window = InFailedWindow(capture, windows);
+  for (int n = 0; n < capture.frame_count; ++n) {
+    const bool has_failed = in_failed_window[static_cast<std::size_t>(n)];
+    int seen = 0;
+    for (int v = 0; v < capture.view_count(); ++v) {
+      bool any = false;
+      for (int j = 0; j < capture.joint_count(); ++j) any = any || capture.Sees(n, v, j);
+      // The moving cameras of a window that failed are not valid any more.
+      seen += any && (estimate.CameraAt(n, v).valid || has_failed) ? 1 : 0;
+    }
+    bool solved = false;
+    for (int j = 0; j < capture.joint_count(); ++j) solved = solved || estimate.Joint(n, j).allFinite();
+    if (solved) {
+      ++report.frames_solved;
+    } else if (seen < 2) {
+      ++report.frames_too_few_views;
+    } else if (has_failed) {
+      ++report.frames_in_failed_windows;
+    }
+  }
+}
+
+/// One line; empty where no window failed.
+std::string DescribeFailedWindows(const CaptureReport& report) {
+  if (!report.windows || report.windows->failed.empty()) return "";
+  return fmt::format("{} frames are not solved: the bundle adjustment of {} of {} windows failed ({})",
+                     report.frames_in_failed_windows, report.windows->failed.size(), report.windows->windows,
+                     report.windows->failed.front().reason);
+}
+
+/// NaN becomes null.
+Json CostToJson(double cost) { return std::isfinite(cost) ? Json(cost) : Json(nullptr); }
+
+Json AdjustmentToJson(const std::optional<AdjustmentSummary>& summary) {
+  if (!summary) return nullptr;
+  return {{"ending", NameOf(summary->ending)},
+          {"reason", summary->reason},
+          {"iterations", summary->iterations},
+          {"initial_cost", CostToJson(summary->initial_cost)},
+          {"final_cost", CostToJson(summary->final_cost)}};
+}
+
+Json WindowsToJson(const std::optional<WindowsSummary>& summary) {
+  if (!summary) return nullptr;
+  Json failures = Json::array();
+  for (const FailedWindow& window : summary->failed) {
+    failures.push_back({{"clip", window.clip},
+                        {"first_frame", window.first_frame},
+                        {"frames", window.frame_count},
+                        {"reason", window.reason}});
+  }
+  return {{"count", summary->windows},
+          {"converged", summary->converged},
+          {"stopped_early", summary->stopped_early},
+          {"failed", summary->failed.size()},
+          {"iterations", summary->iterations},
+          {"initial_cost", CostToJson(summary->initial_cost)},
+          {"final_cost", CostToJson(summary->final_cost)},
+          {"failures", failures}};
+}
+
 double LargestViewAngle(const CaptureObservations& capture, const RigEstimate& estimate) {
   double largest = 0.0;
   const int step = std::max(1, capture.frame_count / 100);
@@ -60,7 +134,7 @@ double LargestViewAngle(const CaptureObservations& capture, const RigEstimate& e
 
 }  // namespace
 
-CaptureReport MakeReport(const CaptureObservations& capture, const Solution& solution,
+CaptureReport MakeReport(const CaptureObservations& capture, const Solution& solution, const WindowsSummary& windows,
                          const std::string& mirror_option) {
   CaptureReport report;
   report.name = capture.name;
@@ -81,18 +155,11 @@ CaptureReport MakeReport(const CaptureObservations& capture, const Solution& sol
     report.cameras.push_back(DescribeCamera(capture, solution, v, std::move(errors[i]), outliers[i]));
   }
   report.reprojection_percent = 100.0 * Median(std::move(all));
-  for (const int n : frames) {
-    int seen = 0;
-    for (int v = 0; v < capture.view_count(); ++v) {
-      bool any = false;
-      for (int j = 0; j < capture.joint_count(); ++j) any = any || capture.Sees(n, v, j);
-      seen += any && solution.estimate.CameraAt(n, v).valid ? 1 : 0;
-    }
-    bool solved = false;
-    for (int j = 0; j < capture.joint_count(); ++j) solved = solved || solution.estimate.Joint(n, j).allFinite();
-    if (solved) ++report.frames_solved;
-    if (!solved && seen < 2) ++report.frames_too_few_views;
-  }
+  CountFrames(capture, solution.estimate, windows, report);
+  report.calibration = solution.calibration;
+  report.windows = windows;
+  const std::string failed_windows = DescribeFailedWindows(report);
+  if (!failed_windows.empty()) report.warnings.push_back(failed_windows);
   report.largest_view_angle_deg = LargestViewAngle(capture, solution.estimate);
   report.mirror = DescribeMirror(solution, mirror_option);
   report.mirror_sigma = solution.mirror_sigma;
@@ -154,6 +221,7 @@ std::string SolveReport::ToJson() const {
     if (capture.failure.empty()) {
       one["frames_solved"] = capture.frames_solved;
       one["frames_too_few_views"] = capture.frames_too_few_views;
+      one["frames_in_failed_windows"] = capture.frames_in_failed_windows;
       one["reprojection_percent"] = capture.reprojection_percent;
       one["largest_view_angle_deg"] = capture.largest_view_angle_deg;
       one["mirror"] = capture.mirror;
@@ -165,6 +233,8 @@ std::string SolveReport::ToJson() const {
         one["offsets"].push_back({{"clip", offset.clip}, {"camera", offset.camera}, {"frames", offset.frames}});
       }
     }
+    one["calibration"] = AdjustmentToJson(capture.calibration);
+    one["windows"] = WindowsToJson(capture.windows);
     one["warnings"] = capture.warnings;
     json["captures"].push_back(one);
   }

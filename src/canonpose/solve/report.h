@@ -1,11 +1,13 @@
-// What the solver tells of its result.
+// What the solver reports of its result.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "canonpose/solve/fit.h"
 #include "canonpose/solve/observations.h"
+#include "canonpose/solve/windows.h"
 
 namespace canonpose {
 
@@ -31,14 +33,17 @@ struct CaptureReport {
   bool static_cameras = true;
   std::vector<CameraReport> cameras;
   int frames = 0;
-  int frames_solved = 0;         ///< with a pose in at least one view
-  int frames_too_few_views = 0;  ///< left out since fewer than two cameras saw the person
+  int frames_solved = 0;             ///< with a pose in at least one view
+  int frames_too_few_views = 0;      ///< left out since fewer than two cameras saw the person
+  int frames_in_failed_windows = 0;  ///< seen well enough, but not solved: see `windows`
   double reprojection_percent = 0.0;
   double largest_view_angle_deg = 0.0;  ///< between the viewing directions of two cameras
   std::string mirror;                   ///< kept as in the start's poses, flipped, undecided (kept, too), or by request
   double mirror_sigma = 0.0;  ///< standard errors by which the solution explains the keypoints better than its mirror
   int swaps_mended = 0;       ///< frames, summed over cameras, in which left and right were exchanged
   std::vector<OffsetReport> offsets;
+  std::optional<AdjustmentSummary> calibration;  ///< the last of the cameras; none where it did not come to that
+  std::optional<WindowsSummary> windows;         ///< of all frames, likewise
   std::vector<std::string> warnings;
   std::string failure;  ///< why the capture could not be solved; empty where it was
 };
@@ -50,7 +55,7 @@ struct SolveReport {
   [[nodiscard]] std::string ToJson() const;
 };
 
-CaptureReport MakeReport(const CaptureObservations& capture, const Solution& solution,
+CaptureReport MakeReport(const CaptureObservations& capture, const Solution& solution, const WindowsSummary& windows,
                          const std::string& mirror_option);
 
 }  // namespace canonpose

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -27,7 +28,10 @@ struct CaptureWork {
   CaptureReport report;
   CameraCheck check;
   Solution solution;
+  WindowsSummary windows;
 };
+
+bool HasFailed(const CaptureWork& work) { return !work.report.failure.empty(); }
 
 /// The cameras of a capture, or why there are none in the report. `capture` is mended: cameras out of step, of somebody
 /// else.
@@ -36,18 +40,22 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options, Capt
   work.report.static_cameras = capture.static_cameras;
   work.report.frames = capture.frame_count;
   work.report.failure = MissingInput(capture);
-  if (!work.report.failure.empty()) return;
+  if (HasFailed(work)) return;
   const CalibrationOptions calibration{options.mirror, options.calibration_frames, ThreadsToUse(options.threads)};
   const Calibrate calibrate = [&](const CaptureObservations& mended) {
     return mended.static_cameras ? CalibrateStatic(mended, calibration) : CalibrateMoving(mended, calibration);
   };
   work.solution = calibrate(capture);
-  work.check = CheckCameras(capture, calibrate, work.solution);
+  if (work.solution.calibration.IsUsable()) work.check = CheckCameras(capture, calibrate, work.solution);
+  work.report.calibration = work.solution.calibration;
+  if (!work.solution.calibration.IsUsable()) {
+    work.report.failure = fmt::format("the cameras could not be found: {}", work.solution.calibration.reason);
+  }
 }
 
 /// Captures of moving cameras are single clips: a subject's bones are known better from all of its clips together.
 void PoolBones(const std::vector<CaptureObservations>& captures, std::vector<CaptureWork>& works) {
-  const auto takes_part = [&](std::size_t c) { return !captures[c].static_cameras && works[c].report.failure.empty(); };
+  const auto takes_part = [&](std::size_t c) { return !captures[c].static_cameras && !HasFailed(works[c]); };
   std::map<std::string, std::vector<std::vector<double>>> of_subject;  // (clips, J)
   for (std::size_t c = 0; c < captures.size(); ++c) {
     if (!takes_part(c)) continue;
@@ -73,7 +81,7 @@ void FinishReport(const CaptureObservations& capture, const SolveOptions& option
   const Solution& solution = work.solution;
   const CameraCheck& check = work.check;
   CaptureReport& report = work.report;
-  report = MakeReport(capture, solution, options.mirror);
+  report = MakeReport(capture, solution, work.windows, options.mirror);
   report.swaps_mended = swaps_mended;
   for (std::size_t v = 0; v < capture.cameras.size(); ++v) {
     if (check.dropped[v]) report.cameras[v].why_not_used = "does not show the same person, or not at the same time";
@@ -90,28 +98,40 @@ void FinishReport(const CaptureObservations& capture, const SolveOptions& option
   }
 }
 
+void TriangulateAllFrames(const CaptureObservations& capture, Solution& solution) {
+  const std::vector<int> frames = ConsecutiveFrames(0, capture.frame_count);
+  for (const int frame : frames) {
+    TriangulateFrame(capture, frame, solution.scales, solution.mirrored, solution.estimate);
+  }
+  solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+}
+
+/// Adds to the report how the windows went; where all failed, so has the capture.
+void AdjustAllFrames(const CaptureObservations& capture, const SolveOptions& options, CaptureWork& work) {
+  const std::vector<FailedWindow> failed_before = std::move(work.windows.failed);
+  work.windows = SolveWindows(capture, options.window_frames, ThreadsToUse(options.threads), work.solution);
+  work.windows.AddFailed(failed_before);
+  work.report.windows = work.windows;
+  if (!work.windows.AllFailed()) return;
+  work.report.failure = fmt::format("no frame could be solved: {}", work.windows.failed.front().reason);
+}
+
 /// Every frame of a capture whose cameras are known. `capture` is mended where left and right were exchanged.
 void SolveAllFrames(CaptureObservations& capture, const SolveOptions& options, CaptureWork& work) {
-  const int threads = ThreadsToUse(options.threads);
-  Solution& solution = work.solution;
-  const std::vector<int> frames = ConsecutiveFrames(0, capture.frame_count);
   const auto solve_frames = [&] {
-    if (!capture.static_cameras) return SolveWindows(capture, options.window_frames, threads, solution);
-    for (const int frame : frames) {
-      TriangulateFrame(capture, frame, solution.scales, solution.mirrored, solution.estimate);
-    }
-    solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+    capture.static_cameras ? TriangulateAllFrames(capture, work.solution) : AdjustAllFrames(capture, options, work);
   };
   solve_frames();
-  work.report.failure = Implausible(MeasurePlausibility(capture, solution));
-  if (!work.report.failure.empty()) return;
-  const int swaps = MendSwaps(capture, solution, threads);
+  if (HasFailed(work)) return;
+  work.report.failure = Implausible(MeasurePlausibility(capture, work.solution));
+  if (HasFailed(work)) return;
+  const int swaps = MendSwaps(capture, work.solution, ThreadsToUse(options.threads));
   if (swaps > 0) solve_frames();
   if (capture.static_cameras) {
-    solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
-    SolveWindows(capture, options.window_frames, threads, solution);
+    work.solution.scales.acceleration = MeasureAccelerations(capture, work.solution.estimate);
+    AdjustAllFrames(capture, options, work);
   }
-  FinishReport(capture, options, swaps, work);
+  if (!HasFailed(work)) FinishReport(capture, options, swaps, work);
 }
 
 Camera CameraOf(const CaptureObservations& capture, const RigEstimate& estimate, int frame, int view) {
@@ -242,8 +262,8 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
   for (std::size_t c = 0; c < captures.size(); ++c) {
     ThrowIfStopRequested();
     progress.Update(done++, captures[c].name + ", all frames");
-    if (works[c].report.failure.empty()) SolveAllFrames(captures[c], options, works[c]);
-    if (works[c].report.failure.empty()) {
+    if (!HasFailed(works[c])) SolveAllFrames(captures[c], options, works[c]);
+    if (!HasFailed(works[c])) {
       WriteSolution(captures[c], works[c].solution, works[c].check, dataset);
     } else {
       WriteNothing(captures[c], dataset);

@@ -24,10 +24,12 @@ struct CameraView {
   /// (T, J) how far off a solved joint may be: the standard deviation along the worst direction, in the unit of
   /// `solved`; empty, or NaN where not solved.
   std::vector<float> solved_uncertainty;
-  /// The cameras that `solve` found, one or T as in `calibration`, in the unit of `solved`: `solved` in camera c is
-  /// R_c x_in_world + t_c, and its pixels are those of K. Empty where there are none.
+  /// The cameras that `solve` found, one or T as in `calibration`; translations in the unit of `solved`, not
+  /// millimetres: `solved` in camera c is R_c x_in_world + t_c, and its pixels are those of K. Empty where there are
+  /// none.
   std::vector<Camera> solved_calibration;
-  /// Calibration, for evaluation only: one camera, or T of them where it moves; empty where there is none.
+  /// Calibration, for evaluation only: one camera, or T of them where it moves, in millimetres; empty where there is
+  /// none.
   std::vector<Camera> calibration;
 
   [[nodiscard]] const Camera& CalibrationAt(int frame) const {

@@ -150,7 +150,7 @@ std::vector<Camera> ReadCalibration(const h5::Group& group, int frame_count, con
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     cameras[i].K = Eigen::Map<const RowMajor>(&K[9 * row(k_rows, i)]);
     cameras[i].camera_from_world_rotation = Eigen::Map<const RowMajor>(&R[9 * row(r_rows, i)]);
-    cameras[i].camera_from_world_translation_mm = Eigen::Map<const Eigen::Vector3d>(&t[3 * row(t_rows, i)]);
+    cameras[i].camera_from_world_translation = Eigen::Map<const Eigen::Vector3d>(&t[3 * row(t_rows, i)]);
     std::copy_n(&distortion[coefficients * row(distortion_rows, i)], coefficients, cameras[i].distortion.begin());
     CheckCamera(group, cameras[i], prefix);
   }
@@ -315,7 +315,7 @@ void WriteCalibration(h5::Group& group, const std::vector<Camera>& cameras, cons
         K.push_back(camera.K(r, c));
         R.push_back(camera.camera_from_world_rotation(r, c));
       }
-      t.push_back(camera.camera_from_world_translation_mm[r]);
+      t.push_back(camera.camera_from_world_translation[r]);
     }
     distortion.insert(distortion.end(), camera.distortion.begin(),
                       camera.distortion.begin() + static_cast<std::ptrdiff_t>(coefficients));

@@ -65,7 +65,7 @@ Dataset Sample() {
     Camera moving = fixed;
     moving.K(0, 0) += frame;
     moving.camera_from_world_rotation = Eigen::AngleAxisd(0.1 * frame, Eigen::Vector3d::UnitY()).toRotationMatrix();
-    moving.camera_from_world_translation_mm = {1.0 * frame, 2.0, 3.0};
+    moving.camera_from_world_translation = {1.0 * frame, 2.0, 3.0};
     run.cameras[0].calibration.push_back(moving);
   }
   dataset.sequences = {run, walk};  // in the order of the file, which is alphabetical
@@ -82,7 +82,7 @@ void ExpectSameCameras(const std::vector<Camera>& a, const std::vector<Camera>& 
   for (std::size_t i = 0; i < a.size(); ++i) {
     EXPECT_EQ(a[i].K, b[i].K);
     EXPECT_EQ(a[i].camera_from_world_rotation, b[i].camera_from_world_rotation);
-    EXPECT_EQ(a[i].camera_from_world_translation_mm, b[i].camera_from_world_translation_mm);
+    EXPECT_EQ(a[i].camera_from_world_translation, b[i].camera_from_world_translation);
     EXPECT_EQ(a[i].distortion, b[i].distortion);
   }
 }

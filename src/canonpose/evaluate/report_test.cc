@@ -99,7 +99,7 @@ Dataset TwoCameras() {
     camera.K << 1000, 0, 500, 0, 1000, 500, 0, 0, 1;
     camera.distortion = {-0.05, 0.01, 0.001, 0.0};
     if (c == 1) camera.camera_from_world_rotation << 0, 0, 1, 0, 1, 0, -1, 0, 0;
-    camera.camera_from_world_translation_mm = {0, 0, 4000};
+    camera.camera_from_world_translation = {0, 0, 4000};
     CameraView view;
     view.name = c == 0 ? "a" : "b";
     view.image_size = {1000, 1000};
@@ -144,7 +144,7 @@ TEST(ReferenceTest, AJointThatOneViewMissesIsUnknown) {
 TEST(ReferenceTest, RaysThatAreNearlyParallelGiveNothing) {
   Dataset dataset = TwoCameras();
   dataset.sequences[0].cameras[1] = dataset.sequences[0].cameras[0];
-  dataset.sequences[0].cameras[1].calibration[0].camera_from_world_translation_mm.x() += 50.0;
+  dataset.sequences[0].cameras[1].calibration[0].camera_from_world_translation.x() += 50.0;
   const ReferencePoses reference(dataset, "a.h5");
   EXPECT_TRUE(std::isnan(reference.sequences()[0].poses_in_camera[0][0]));
 }

@@ -42,9 +42,9 @@ Eigen::Vector2d Distort(const Eigen::Vector2d& normalised, const std::array<doub
           y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
 }
 
-Eigen::Vector2d Camera::ProjectFromCamera(const Eigen::Vector3d& point_in_camera_mm) const {
-  if (!(point_in_camera_mm.z() > 0.0)) return NotAPoint();
-  const Eigen::Vector2d normalised = point_in_camera_mm.head<2>() / point_in_camera_mm.z();
+Eigen::Vector2d Camera::ProjectFromCamera(const Eigen::Vector3d& point_in_camera) const {
+  if (!(point_in_camera.z() > 0.0)) return NotAPoint();
+  const Eigen::Vector2d normalised = point_in_camera.head<2>() / point_in_camera.z();
   if (IsBeyondLens(normalised, distortion)) return NotAPoint();
   const Eigen::Vector2d distorted = Distort(normalised, distortion);
   return (K * distorted.homogeneous()).hnormalized();

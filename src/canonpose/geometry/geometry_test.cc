@@ -24,7 +24,7 @@ Camera CameraAround(double bearing_rad, double distance_mm) {
   Camera camera;
   camera.K << 1100.0, 0.0, 500.0, 0.0, 1100.0, 480.0, 0.0, 0.0, 1.0;
   camera.camera_from_world_rotation = Eigen::AngleAxisd(bearing_rad, Eigen::Vector3d::UnitY()).toRotationMatrix();
-  camera.camera_from_world_translation_mm = {0.0, 0.0, distance_mm};
+  camera.camera_from_world_translation = {0.0, 0.0, distance_mm};
   camera.distortion = {-0.05, 0.12, 0.001, -0.0007};
   return camera;
 }
@@ -42,7 +42,7 @@ Eigen::Matrix3d RandomRotation(Rng& rng) {
 TEST(CameraTest, ProjectsByHand) {
   Camera camera;
   camera.K << 1000.0, 0.0, 500.0, 0.0, 1000.0, 400.0, 0.0, 0.0, 1.0;
-  camera.camera_from_world_translation_mm = {0.0, 0.0, 1000.0};
+  camera.camera_from_world_translation = {0.0, 0.0, 1000.0};
   EXPECT_TRUE(camera.Project({100.0, -200.0, 1000.0}).isApprox(Eigen::Vector2d(550.0, 300.0)));
   EXPECT_TRUE(std::isnan(camera.Project({100.0, -200.0, -1000.5}).x())) << "a point behind the camera has no pixel";
 }
@@ -183,7 +183,7 @@ TEST(TriangulationTest, APointBehindACameraIsTold) {
   const Camera a = CameraAround(0.0, 1000.0);
   const Camera b = CameraAround(0.0, 1000.0);
   Camera beside = b;
-  beside.camera_from_world_translation_mm.x() = -500.0;
+  beside.camera_from_world_translation.x() = -500.0;
   // Rays that part in front of the cameras meet behind them.
   const std::vector<PointObservation> observations = {{&a, {400.0, 480.0}, 1.0}, {&beside, {600.0, 480.0}, 1.0}};
   const TriangulatedPoint found = Triangulate(observations);
@@ -220,7 +220,7 @@ Camera CameraOf(const nlohmann::json& entry) {
       camera.K(r, c) = entry["K"][r][c];
       camera.camera_from_world_rotation(r, c) = entry["R"][r][c];
     }
-    camera.camera_from_world_translation_mm[r] = entry["t"][r];
+    camera.camera_from_world_translation[r] = entry["t"][r];
     camera.distortion[static_cast<std::size_t>(r)] = entry["distortion"][r];
   }
   camera.distortion[3] = entry["distortion"][3];

@@ -44,7 +44,7 @@ TriangulatedPoint Triangulate(std::span<const PointObservation> observations) {
     if (!ray.allFinite()) continue;
     const Eigen::Matrix3d& R = observation.camera->camera_from_world_rotation;
     Eigen::Matrix<double, 3, 4> projection;
-    projection << R, observation.camera->camera_from_world_translation_mm;
+    projection << R, observation.camera->camera_from_world_translation;
     const double weight = observation.confidence * observation.confidence;
     equations.row(row++) = weight * (ray.x() * projection.row(2) - projection.row(0));
     equations.row(row++) = weight * (ray.y() * projection.row(2) - projection.row(1));

@@ -119,7 +119,7 @@ class Viewer {
     const double stature_mm = StatureMm(landmarks_.data());
     const Eigen::Matrix3d axes = TrunkAxes(landmarks_.data());
     const Eigen::Vector3d centre =
-        -camera.camera_from_world_rotation.transpose() * camera.camera_from_world_translation_mm;
+        -camera.camera_from_world_rotation.transpose() * camera.camera_from_world_translation;
     view.image_size = camera_.image_size;
     view.seconds = frame / track_.fps;
     view.height_px = ImageHeightPx(camera, landmarks_.data());

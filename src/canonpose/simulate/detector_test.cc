@@ -132,7 +132,7 @@ TEST(Detect, PointsOutsideTheImageAreNotFound) {
   LandmarkTrack track = WalkInCircle(10, 25.0);
   const std::vector<FilmingCamera> cameras = Film("studio", track);
   const Eigen::Vector3d centre = -cameras[0].cameras[0].camera_from_world_rotation.transpose() *
-                                 cameras[0].cameras[0].camera_from_world_translation_mm;
+                                 cameras[0].cameras[0].camera_from_world_translation;
   // Just behind the camera.
   for (Eigen::Vector3d& p : track.positions_mm) p += 1.2 * Eigen::Vector3d(centre.x(), centre.y(), 0.0);
   for (const double noise : {0.0, 1.0}) {
@@ -265,7 +265,7 @@ TEST(Detect, SwapsLegsMostlyInBackViews) {
   std::uint64_t number = 0;
   for (const FilmingCamera& camera : Film("studio", track)) {
     const Eigen::Vector3d centre =
-        -camera.cameras[0].camera_from_world_rotation.transpose() * camera.cameras[0].camera_from_world_translation_mm;
+        -camera.cameras[0].camera_from_world_rotation.transpose() * camera.cameras[0].camera_from_world_translation;
     const Detections found = Detect(track, camera, Human36m(), options, 1, Rng(3, {number++}));
     for (int t = 0; t < track.frame_count(); ++t) {
       const std::size_t at = static_cast<std::size_t>(t) * 17;

@@ -111,7 +111,7 @@ std::vector<Camera> ReadCalibrated(const JsonValue& value) {
   for (std::size_t i = 0; i < frames; ++i) {
     cameras[i].K = K[K.size() == 1 ? 0 : i];
     cameras[i].camera_from_world_rotation = R[R.size() == 1 ? 0 : i];
-    cameras[i].camera_from_world_translation_mm = t[t.size() == 1 ? 0 : i];
+    cameras[i].camera_from_world_translation = t[t.size() == 1 ? 0 : i];
   }
   return cameras;
 }

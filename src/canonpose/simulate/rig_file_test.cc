@@ -33,13 +33,13 @@ Json RigJson(const std::vector<FilmingCamera>& filming) {
     if (camera.cameras.size() == 1) {
       json["K"] = Matrix(camera.cameras[0].K);
       json["R"] = Matrix(camera.cameras[0].camera_from_world_rotation);
-      json["t"] = Vector(camera.cameras[0].camera_from_world_translation_mm);
+      json["t"] = Vector(camera.cameras[0].camera_from_world_translation);
       json["distortion"] = camera.cameras[0].distortion;
     } else {
       for (const Camera& now : camera.cameras) {
         json["K"].push_back(Matrix(now.K));
         json["R"].push_back(Matrix(now.camera_from_world_rotation));
-        json["t"].push_back(Vector(now.camera_from_world_translation_mm));
+        json["t"].push_back(Vector(now.camera_from_world_translation));
       }
     }
     cameras.push_back(json);
@@ -96,7 +96,7 @@ TEST_F(RigFile, GivesTheCamerasThatWereWritten) {
         const Camera& b = written[i].cameras[t];
         EXPECT_EQ(a.K, b.K);
         EXPECT_EQ(a.camera_from_world_rotation, b.camera_from_world_rotation);
-        EXPECT_EQ(a.camera_from_world_translation_mm, b.camera_from_world_translation_mm);
+        EXPECT_EQ(a.camera_from_world_translation, b.camera_from_world_translation);
         EXPECT_EQ(a.distortion, b.distortion);
       }
     }

@@ -64,7 +64,7 @@ void Aim(const Eigen::Vector3d& position_mm, const Eigen::Vector3d& target_mm, d
   camera.camera_from_world_rotation.row(0) = (c * right + s * down).transpose();
   camera.camera_from_world_rotation.row(1) = (c * down - s * right).transpose();
   camera.camera_from_world_rotation.row(2) = forward.transpose();
-  camera.camera_from_world_translation_mm = -camera.camera_from_world_rotation * position_mm;
+  camera.camera_from_world_translation = -camera.camera_from_world_rotation * position_mm;
 }
 
 std::vector<double> Azimuths(const std::string& spread, int count, Rng& rng) {

@@ -19,7 +19,7 @@ std::vector<FilmingCamera> Film(const RigOptions& options, std::uint64_t seed, c
 }
 
 Eigen::Vector3d Centre(const Camera& camera) {
-  return -camera.camera_from_world_rotation.transpose() * camera.camera_from_world_translation_mm;
+  return -camera.camera_from_world_rotation.transpose() * camera.camera_from_world_translation;
 }
 
 double AzimuthDegrees(const FilmingCamera& camera) {

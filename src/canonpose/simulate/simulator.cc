@@ -59,7 +59,7 @@ std::string CaptureName(const std::string& subject, const std::vector<FilmingCam
     add(filming.image_size);
     add(camera.K.reshaped());
     add(camera.camera_from_world_rotation.reshaped());
-    add(camera.camera_from_world_translation_mm);
+    add(camera.camera_from_world_translation);
     // k3 was added later: cameras without it keep the names that they had.
     add(std::span(camera.distortion).first(camera.distortion[4] != 0.0 ? 5 : 4));
   }

@@ -144,8 +144,7 @@ double JointUncertainty(const CaptureObservations& capture, int frame, int joint
     const double error = (estimate.Project(frame, v, joint) - capture.At(frame, v, joint)).norm() / scale / scatter;
     Eigen::Matrix<double, 2, 3> rows = camera.Rotation().topRows<2>();
     rows -= in_camera.head<2>() / in_camera.z() * camera.Rotation().row(2);
-    const double weight = 1.0 / (1.0 + 0.25 * error * error) / (scatter * scatter);
-    information += weight * rows.transpose() * rows;
+    information += CauchyWeight(error) / (scatter * scatter) * rows.transpose() * rows;
   }
   const std::vector<int>& parents = capture.skeleton.parents;
   for (int other = 0; other < capture.joint_count(); ++other) {

@@ -30,6 +30,10 @@ struct Solution {
 /// Cauchy's loss of an error that is given in units of its scatter.
 inline double CauchyLoss(double error) { return std::log1p(error * error / (kLossScale * kLossScale)); }
 
+/// How much an error counts under that loss against one that is next to nothing: the loss's derivative by the squared
+/// error, times kLossScale^2.
+inline double CauchyWeight(double error) { return 1.0 / (1.0 + error * error / (kLossScale * kLossScale)); }
+
 /// How far a point in a camera's frame is from the ray of a keypoint, at the point's depth: in body units, as far as a
 /// projection is off. Behind the camera it means nothing; see DistanceInFront().
 inline double DistanceAtDepth(const Eigen::Vector3d& in_camera, double focal, const Eigen::Vector2d& keypoint) {

@@ -141,7 +141,7 @@ Camera CameraOf(const CaptureObservations& capture, const RigEstimate& estimate,
   const double focal_px = found.Focal() * observed.diagonal_px;
   camera.K << focal_px, 0, 0.5 * observed.image_size_px[0], 0, focal_px, 0.5 * observed.image_size_px[1], 0, 0, 1;
   camera.camera_from_world_rotation = found.Rotation();
-  camera.camera_from_world_translation_mm = estimate.Translation(frame, view);
+  camera.camera_from_world_translation = estimate.Translation(frame, view);
   return camera;
 }
 

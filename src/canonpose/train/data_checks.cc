@@ -20,7 +20,7 @@ void AddCameras(Fingerprint& fingerprint, const std::vector<Camera>& cameras) {
   for (const Camera& camera : cameras) {
     fingerprint.Add(camera.K.data(), sizeof(double) * 9);
     fingerprint.Add(camera.camera_from_world_rotation.data(), sizeof(double) * 9);
-    fingerprint.Add(camera.camera_from_world_translation_mm.data(), sizeof(double) * 3);
+    fingerprint.Add(camera.camera_from_world_translation.data(), sizeof(double) * 3);
     fingerprint.Add(camera.distortion.data(), sizeof(double) * 4);
     // Added later: cameras without it keep the hash that checkpoints recorded.
     if (camera.distortion[4] != 0.0) fingerprint.Add(&camera.distortion[4], sizeof(double));

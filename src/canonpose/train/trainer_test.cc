@@ -42,7 +42,7 @@ Dataset CalibratedRing(int frames, int cameras) {
     camera.K << 800, 0, 500, 0, 800, 500, 0, 0, 1;
     camera.camera_from_world_rotation << std::cos(azimuth), 0, std::sin(azimuth), 0, 1, 0, -std::sin(azimuth), 0,
         std::cos(azimuth);
-    camera.camera_from_world_translation_mm.z() = 3.5;
+    camera.camera_from_world_translation.z() = 3.5;
     view.calibration = {camera};
     for (std::size_t i = 0; i < view.confidence.size(); ++i) {
       const auto puppet = testing::PuppetAt(0.13 * static_cast<double>(i / kJoints));

@@ -53,8 +53,7 @@ CalibratedCamera ReadCamera(const JsonValue& value, double mm_per_unit) {
   }
   const std::vector<double> translation = value["t"].Numbers();
   if (translation.size() != 3) value["t"].Fail("3 values");
-  camera.camera_from_world_translation_mm =
-      mm_per_unit * Eigen::Vector3d(translation[0], translation[1], translation[2]);
+  camera.camera_from_world_translation = mm_per_unit * Eigen::Vector3d(translation[0], translation[1], translation[2]);
   if (const std::optional<JsonValue> distortion = value.Find("distortion")) {
     const std::vector<double> numbers = distortion->Numbers();
     if (numbers.size() != 4 && numbers.size() != 5) distortion->Fail("4 or 5 values (k1, k2, p1, p2, k3)");

@@ -359,7 +359,7 @@ TEST(Calibration, IsReadInMillimetres) {
                       fmt::format(R"({{"units":"m","image_size":[640,480],"cameras":{{"a":{}}}}})", kCamera));
   const std::map<std::string, CalibratedCamera> cameras = ReadCalibration(folder / "c.json");
   const CalibratedCamera& camera = FindCalibration(cameras, "a", "c.json");
-  EXPECT_EQ(camera.camera.camera_from_world_translation_mm, Eigen::Vector3d(1000, 2000, 3000));
+  EXPECT_EQ(camera.camera.camera_from_world_translation, Eigen::Vector3d(1000, 2000, 3000));
   EXPECT_EQ(camera.camera.K(0, 2), 320.0);
   EXPECT_EQ(camera.image_size, (std::array<int, 2>{640, 480}));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { FindCalibration(cameras, "b", "c.json"); }),
@@ -384,7 +384,7 @@ TEST(Calibration, ReadsTheRealOne) {
   CANONPOSE_SKIP_WITHOUT_SHARED("data/balancing/calibration.json");
   const std::map<std::string, CalibratedCamera> cameras = ReadCalibration(Shared("data/balancing/calibration.json"));
   ASSERT_EQ(cameras.size(), 4U);
-  EXPECT_NEAR(cameras.at("cam03").camera.camera_from_world_translation_mm.z(), 4353.51, 0.01);
+  EXPECT_NEAR(cameras.at("cam03").camera.camera_from_world_translation.z(), 4353.51, 0.01);
   EXPECT_EQ(cameras.at("cam01").image_size, (std::array<int, 2>{1088, 1920}));
 }
 

@@ -95,7 +95,7 @@ Camera PlaceCamera(const JsonValue& value, const Lens& lens) {
   }
   Camera camera = lens.camera;
   camera.camera_from_world_rotation = world_from_camera.normalized().toRotationMatrix().transpose();
-  camera.camera_from_world_translation_mm = -(camera.camera_from_world_rotation * centre_mm);
+  camera.camera_from_world_translation = -(camera.camera_from_world_rotation * centre_mm);
   return camera;
 }
 

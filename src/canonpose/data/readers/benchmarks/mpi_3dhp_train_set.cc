@@ -99,7 +99,7 @@ CalibratedView ReadView(Lines& lines, std::size_t index) {
     const auto row = static_cast<std::size_t>(4 * r);
     for (int c = 0; c < 3; ++c)
       view.camera.camera_from_world_rotation(r, c) = extrinsic[row + static_cast<std::size_t>(c)];
-    view.camera.camera_from_world_translation_mm[r] = extrinsic[row + 3];
+    view.camera.camera_from_world_translation[r] = extrinsic[row + 3];
   }
   const Eigen::Matrix3d& R = view.camera.camera_from_world_rotation;
   constexpr double kTolerance = 1e-3;

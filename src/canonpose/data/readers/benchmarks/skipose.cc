@@ -73,7 +73,8 @@ class LabelsFile {
     Row row;
     row.cam = cam_[i];
     row.frame = frame_[i];
-    for (std::size_t k = 0; k < 2 * kSkiJoints; ++k) row.keypoints.push_back(kCropSize * keypoints_[2 * kSkiJoints * i + k]);
+    for (std::size_t k = 0; k < 2 * kSkiJoints; ++k)
+      row.keypoints.push_back(kCropSize * keypoints_[2 * kSkiJoints * i + k]);
     row.pose = Eigen::Map<const Points>(&poses_[3 * kSkiJoints * i], kSkiJoints, 3);
     row.place = Eigen::Map<const Eigen::Vector3d>(&position_[3 * i]);
     const Matrix3 K = Eigen::Map<const Matrix3>(&intrinsic_[9 * i]);
@@ -90,7 +91,7 @@ class LabelsFile {
     const Eigen::Matrix3d camera_from_world = rotations_are_camera_from_world_ ? R : Matrix3(R.transpose());
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(camera_from_world, Eigen::ComputeFullU | Eigen::ComputeFullV);
     row.camera.camera_from_world_rotation = svd.matrixU() * svd.matrixV().transpose();
-    row.camera.camera_from_world_translation_mm = -(row.camera.camera_from_world_rotation * row.place);
+    row.camera.camera_from_world_translation = -(row.camera.camera_from_world_rotation * row.place);
     return row;
   }
 
@@ -319,7 +320,7 @@ CameraView MakeView(int cam, const std::map<int, Row>& rows, const std::vector<i
     auto nearest = rows.lower_bound(number);
     if (nearest == rows.end()) nearest = std::prev(nearest);
     Camera camera = nearest->second.camera;
-    camera.camera_from_world_translation_mm *= mm;
+    camera.camera_from_world_translation *= mm;
     view.calibration.push_back(camera);
     const bool is_seen = nearest->first == number;
     const Points points = is_seen ? InCamera(nearest->second, frame) : Points::Constant(kSkiJoints, 3, std::nan(""));

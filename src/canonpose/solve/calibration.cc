@@ -7,6 +7,7 @@
 
 #include "canonpose/base/median.h"
 #include "canonpose/base/parallel.h"
+#include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/rotation_averaging.h"

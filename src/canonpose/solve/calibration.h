@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "canonpose/solve/fit.h"
 #include "canonpose/solve/observations.h"
+#include "canonpose/solve/solution.h"
 
 namespace canonpose {
 

@@ -6,6 +6,7 @@
 #include "canonpose/base/median.h"
 #include "canonpose/solve/calibration.h"
 #include "canonpose/solve/diagnosis.h"
+#include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/time_offset.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "canonpose/solve/fit.h"
 #include "canonpose/solve/observations.h"
+#include "canonpose/solve/solution.h"
 
 namespace canonpose {
 

@@ -8,6 +8,7 @@
 
 #include "canonpose/base/median.h"
 #include "canonpose/solve/calibration.h"
+#include "canonpose/solve/fit.h"
 #include "canonpose/solve/initialisation.h"
 
 namespace canonpose {

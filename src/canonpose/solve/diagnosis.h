@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "canonpose/solve/fit.h"
 #include "canonpose/solve/observations.h"
+#include "canonpose/solve/solution.h"
 
 namespace canonpose {
 
@@ -17,12 +17,11 @@ std::string MissingInput(const CaptureObservations& capture);
 
 /// Figures that a wrong solution gives away. Lengths in body units.
 struct Plausibility {
-  double reprojection = 0.0;    ///< median distance of keypoints
-  double view_angle_deg = 0.0;  ///< the largest between two viewing axes, modulo 180 degrees; median over frames
-  double depth_over_width =
-      0.0;                    ///< extent of poses along the viewing axes against across, median over views and frames
-  double bone_scatter = 0.0;  ///< median |log(length / the subject's)| of bones between triangulated joints
-  double asymmetry = 0.0;     ///< the median over limbs of |log(left length / right length)|
+  double reprojection = 0.0;      ///< median distance of keypoints
+  double view_angle_deg = 0.0;    ///< the largest between two viewing axes, modulo 180 degrees; median over frames
+  double depth_over_width = 0.0;  ///< extent of poses along the viewing axes against across; median
+  double bone_scatter = 0.0;      ///< median |log(length / the subject's)| of bones between triangulated joints
+  double asymmetry = 0.0;         ///< median over limbs of |log(left length / right length)|
 };
 
 Plausibility MeasurePlausibility(const CaptureObservations& capture, const Solution& solution);

@@ -11,21 +11,12 @@
 #include "canonpose/solve/noise_model.h"
 #include "canonpose/solve/observations.h"
 #include "canonpose/solve/rig_estimate.h"
+#include "canonpose/solve/solution.h"
 
 namespace canonpose {
 
 /// How far triangulated bones are off their lengths, relative; more speaks of swapped joints or of another moment.
 inline constexpr double kBoneScatter = 0.1;
-
-/// An estimate and the scales it was adjusted with.
-struct Solution {
-  RigEstimate estimate;
-  AdjustmentScales scales;
-  bool mirrored = false;      ///< found from the depth mirror of the start's poses
-  double mirror_sigma = 0.0;  ///< Preference() over the mirrored solution
-  /// How the last adjustment of the calibration went, or the first that failed: then the rest is no solution.
-  AdjustmentSummary calibration{};
-};
 
 /// Cauchy's loss of an error that is given in units of its scatter.
 inline double CauchyLoss(double error) { return std::log1p(error * error / (kLossScale * kLossScale)); }

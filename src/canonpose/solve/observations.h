@@ -49,8 +49,8 @@ struct CaptureObservations {
   int frame_count = 0;
   std::vector<float> xy;          ///< (F, V, J, 2) normalised; NaN where not detected
   std::vector<float> confidence;  ///< (F, V, J) 0 where not detected
-  std::vector<float>
-      start;  ///< (F, V, J, 3) StartPoses of unit norm; NaN where not lifted, joints unknown to the lifter at the root
+  /// (F, V, J, 3) StartPoses of unit norm; NaN where not lifted, joints that the lifter does not know at the root.
+  std::vector<float> start;
 
   [[nodiscard]] int view_count() const { return static_cast<int>(cameras.size()); }
   /// The view of a camera; -1 where there is none of that name.

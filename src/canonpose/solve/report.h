@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "canonpose/solve/fit.h"
+#include "canonpose/solve/adjustment.h"
 #include "canonpose/solve/observations.h"
+#include "canonpose/solve/solution.h"
 #include "canonpose/solve/windows.h"
 
 namespace canonpose {

@@ -14,6 +14,7 @@
 #include "canonpose/solve/calibration.h"
 #include "canonpose/solve/camera_check.h"
 #include "canonpose/solve/diagnosis.h"
+#include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/serial_linear_algebra.h"

@@ -8,6 +8,7 @@
 
 #include "canonpose/base/median.h"
 #include "canonpose/base/parallel.h"
+#include "canonpose/solve/fit.h"
 #include "canonpose/solve/initialisation.h"
 
 namespace canonpose {

@@ -13,8 +13,8 @@
 #include <limits>
 #include <vector>
 
-#include "canonpose/solve/fit.h"
 #include "canonpose/solve/observations.h"
+#include "canonpose/solve/solution.h"
 
 namespace canonpose {
 

@@ -10,6 +10,7 @@
 #include <ceres/solver.h>
 
 #include "canonpose/solve/ceres_options.h"
+#include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/residuals.h"

@@ -1,8 +1,8 @@
 // How many frames a camera is early or late.
 #pragma once
 
-#include "canonpose/solve/fit.h"
 #include "canonpose/solve/observations.h"
+#include "canonpose/solve/solution.h"
 
 namespace canonpose {
 

@@ -6,6 +6,7 @@
 
 #include "canonpose/base/parallel.h"
 #include "canonpose/geometry/alignment.h"
+#include "canonpose/solve/adjustment.h"
 #include "canonpose/solve/frame_choice.h"
 
 namespace canonpose {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "canonpose/solve/fit.h"
 #include "canonpose/solve/observations.h"
+#include "canonpose/solve/solution.h"
 
 namespace canonpose {
 

@@ -21,7 +21,7 @@ namespace {
 /// How far the logarithm of a view's image scale may be from the start's.
 constexpr double kLogScale = 0.3;
 
-/// Builds the problem term by term; Adjust() below is the plot.
+/// Builds the problem term by term; Adjust() below is the outline.
 class AdjustmentProblem {
  public:
   AdjustmentProblem(const CaptureObservations& capture, std::span<const int> frames, const AdjustmentOptions& options,
@@ -54,7 +54,7 @@ class AdjustmentProblem {
   }
   [[nodiscard]] bool IsSolved(int frame, int joint) const { return estimate_.Joint(frame, joint).allFinite(); }
   double* JointData(int frame, int joint) { return estimate_.Joint(frame, joint).data(); }
-  /// Runs of at least `length` consecutive frames end at element i.
+  /// Whether frame i is at least the `length`-th of its run.
   [[nodiscard]] bool FollowsRun(std::size_t i, std::size_t length) const {
     return i + 1 >= length && runs_[i] == runs_[i + 1 - length];
   }
@@ -190,7 +190,7 @@ void AdjustmentProblem::AddCameraMotion() {
 
 void AdjustmentProblem::AddFocalPriors() {
   if (!options_.free_cameras) return;
-  // A prior for each camera, or for each frame of a moving one: then as weak as if it were one for the whole run.
+  // A static camera has one prior. A moving one has one in each frame, which together weigh as much as that.
   const double weight = estimate_.static_cameras ? 1.0 : 1.0 / std::sqrt(static_cast<double>(frames_.size()));
   const int frame_count = estimate_.static_cameras ? 1 : static_cast<int>(frames_.size());
   for (int i = 0; i < frame_count; ++i) {
@@ -198,7 +198,7 @@ void AdjustmentProblem::AddFocalPriors() {
       CameraEstimate& camera = estimate_.CameraAt(frames_[static_cast<std::size_t>(i)], v);
       if (!camera.valid) continue;
       if (!estimate_.static_cameras && problem_.HasParameterBlock(camera.placement.data())) {
-        // Weak, for views that see too little to tell: where the start had it.
+        // Weak, for views that see too little to determine their scale.
         problem_.AddResidualBlock(ScalePriorTerm::Create(camera.placement[2], 1.0 / kLogScale), nullptr,
                                   camera.placement.data());
       }

@@ -1,4 +1,4 @@
-// The bundle adjustment of some frames of a capture: what it minimises and what it leaves fixed.
+// The bundle adjustment of some frames of a capture: what it minimises and what it holds fixed.
 //
 // clang-format off
 //   E = sum over n, v, j      rho( |x_nvj - project(camera_nv, X_nj)| / (s_nv sigma_nvj) )    what the cameras see
@@ -9,20 +9,20 @@
 //   static cameras:
 //     + sum over pairs v, w   ( log(f_v / f_w) / sigma_between )^2                            lenses are alike
 //   moving cameras, which have focal lengths f_nv:
-//     + sum over n, v         ( |w_nv| / sigma_w )^2 + ( |w_nv - w_n-1v| fps / sigma_a )^2    they turn evenly
+//     + sum over n, v         ( |w_nv| / sigma_w )^2 + ( |w_nv - w_n-1v| fps / sigma_a )^2    they rotate evenly
 //     + sum over n, v         ( log(f_nv / f_n-1v) / sigma_zoom )^2 fps                       and zoom slowly
 //     + sum over n, v         ( log(s_nv / s_nv at the start) / sigma_scale )^2               weak, against drift
 // clang-format on
 //
 // n counts frames, v views, j joints; x are keypoints, X joints. rho is Cauchy's loss, a^2 log(1 + e^2 / a^2), and
 // huber Huber's. s_nv is the image scale of a body unit, so that errors count in the body's size; sigma_nvj the scatter
-// of the joint at its confidence; w_nv the angular velocity of a camera, rad/s. Where cameras move the focal lengths of
-// all frames together weigh as much as one of a static camera.
+// of the joint at its confidence; w_nv the angular velocity of a camera in rad/s. Where cameras move, the focal lengths
+// of all frames together count as much as the one of a static camera.
 //
-// Unknown are the joints and, unless AdjustmentOptions holds them, the cameras and the bone lengths L_b. Frames are
-// coupled by smoothness to their neighbours and by few parameters to all others, so that the normal equations are
-// banded with a border: Ceres's sparse Cholesky factorisation needs time and memory that grow with the number of
-// frames.
+// The unknowns are the joints and, unless AdjustmentOptions holds them fixed, the cameras and the bone lengths L_b.
+// Smoothness couples a frame to its neighbours, and only a few parameters are shared by all frames, so the normal
+// equations are banded with a border: time and memory of Ceres's sparse Cholesky factorisation are proportional to the
+// number of frames.
 #pragma once
 
 #include <limits>
@@ -58,7 +58,7 @@ struct AdjustmentOptions {
   bool free_bones = true;
   double loss_scale = kLossScale;
   int iterations = 30;
-  int fixed_view = -1;  ///< static cameras: the one that is the world; -1: none is held
+  int fixed_view = -1;  ///< the static camera that is held fixed; -1: none
 };
 
 enum class AdjustmentEnding {
@@ -82,12 +82,12 @@ struct [[nodiscard]] AdjustmentSummary {
   [[nodiscard]] bool IsUsable() const { return ending != AdjustmentEnding::kFailed; }
 };
 
-/// Improves `estimate` at `frames` (ascending). Joints that are NaN and cameras that are not valid take no part. Never
-/// throws for numerical reasons: the summary says how it went.
+/// Improves `estimate` at `frames` (ascending), leaving out joints that are NaN and cameras that are not valid.
+/// Numerical failures are not thrown but reported in the summary.
 AdjustmentSummary Adjust(const CaptureObservations& capture, std::span<const int> frames,
                          const AdjustmentOptions& options, RigEstimate& estimate);
 
-/// The number of the run of consecutive frames of one clip that each of `frames` belongs to.
+/// Numbers the runs of consecutive frames of one clip in `frames`: for each element, the number of its run.
 std::vector<int> RunsOf(const CaptureObservations& capture, std::span<const int> frames);
 
 }  // namespace canonpose

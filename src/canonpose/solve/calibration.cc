@@ -23,7 +23,7 @@ constexpr double kRotationSeconds = 0.5;
 constexpr int kRuns = 6;
 constexpr int kRunFrames = 50;
 
-/// To the scatter that there is.
+/// Adjusts with the scatter of keypoints as it was measured last, and measures it again.
 AdjustmentSummary AdjustToNoise(const CaptureObservations& capture, std::span<const int> frames, int fixed_view,
                                 Solution& solution) {
   AdjustmentOptions options;
@@ -36,7 +36,7 @@ AdjustmentSummary AdjustToNoise(const CaptureObservations& capture, std::span<co
   return summary;
 }
 
-/// From far off with a wide loss, then to the scatter that there is.
+/// Adjusts first with a wide loss, since the start may be far off, then by AdjustToNoise().
 AdjustmentSummary AdjustTwice(const CaptureObservations& capture, std::span<const int> frames, int fixed_view,
                               Solution& solution) {
   const bool has_joints =
@@ -58,18 +58,18 @@ AdjustmentSummary AdjustTwice(const CaptureObservations& capture, std::span<cons
   return AdjustToNoise(capture, frames, fixed_view, solution);
 }
 
-/// Solves from the start's poses and from their depth mirror, and keeps what explains the keypoints better. Without
-/// sure evidence the start is kept: a lifter has learnt from people, or its own mirror was decided when it was trained;
-/// with a factorisation either is as good.
+/// Solves from the start's poses and from their mirror, and keeps the solution that explains the keypoints better.
+/// Where the evidence is not decisive, keeps the start's: a lifter has learnt what people look like, or its own mirror
+/// was decided in training; after a factorisation either is as good.
 Solution DecideMirror(const CaptureObservations& capture, std::span<const int> frames,
                       const CalibrationOptions& options, const std::function<Solution(bool mirrored)>& solve) {
   if (options.mirror != "auto") return solve(options.mirror == "flip");
   std::array<Solution, 2> solutions;
   InParallel(2, options.threads, [&](int i) { solutions[static_cast<std::size_t>(i)] = solve(i == 1); });
-  // A mirror that could not be adjusted is no evidence either way.
+  // A mirror that could not be adjusted is not evidence either way.
   if (!solutions[0].calibration.IsUsable() || !solutions[1].calibration.IsUsable()) return std::move(solutions[0]);
   const double preference = Preference(capture, frames, solutions[0], solutions[1]);
-  Solution& best = solutions[preference < -kSureSigma ? 1 : 0];
+  Solution& best = solutions[preference < -kDecisiveSigma ? 1 : 0];
   best.mirror_sigma = std::abs(preference);
   if (preference < 0.0 && !best.mirrored) best.mirror_sigma = preference;
   return std::move(best);
@@ -144,7 +144,7 @@ Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOp
     solution.calibration = AdjustTwice(capture, frames, -1, solution);
     if (!solution.calibration.IsUsable()) return solution;
     solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);
-    // Once more, now that the turning is known: or the mirror that had to turn less would have a lead.
+    // Once more with the measured angular velocity. Otherwise the mirror whose cameras rotate less has an advantage.
     solution.calibration = AdjustToNoise(capture, frames, -1, solution);
     if (!solution.calibration.IsUsable()) return solution;
     solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);

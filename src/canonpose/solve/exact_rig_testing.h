@@ -60,7 +60,7 @@ inline void Hide(CaptureObservations& capture, int frame, int view, int joint) {
 
 namespace internal {
 
-/// The bones' directions sway about means of their own, once in two seconds or so.
+/// The directions of the bones sway about fixed means, with periods of about two seconds.
 inline void SetJoints(const Skeleton& skeleton, double fps, const std::vector<double>& lengths, RigEstimate& truth) {
   const auto sway = [](double t, Rng& rng) {
     Eigen::Vector3d value;
@@ -87,7 +87,7 @@ inline void SetJoints(const Skeleton& skeleton, double fps, const std::vector<do
   }
 }
 
-/// On a ring that is no plane, looking at the middle.
+/// On a ring, but at different heights, looking at the middle.
 inline void SetCameras(const ExactRigOptions& options, RigEstimate& truth) {
   const int times = options.static_cameras ? 1 : truth.frame_count();
   for (int n = 0; n < times; ++n) {
@@ -118,7 +118,7 @@ inline void SetCameras(const ExactRigOptions& options, RigEstimate& truth) {
 
 }  // namespace internal
 
-/// Starts with exact keypoints; see SeeJoints() for others.
+/// A rig with exact keypoints; SeeJoints() replaces them by noisy ones.
 inline ExactRig MakeExactRig(const ExactRigOptions& options = {}) {
   ExactRig rig;
   CaptureObservations& capture = rig.capture;

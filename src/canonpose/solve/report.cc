@@ -22,7 +22,7 @@ std::string DescribeMirror(const Solution& solution, const std::string& option) 
   if (option == "keep") return "kept by request";
   if (option == "flip") return "flipped by request";
   if (solution.mirrored) return "flipped";
-  return solution.mirror_sigma > kSureSigma ? "kept" : "undecided, kept as in the start's poses";
+  return solution.mirror_sigma > kDecisiveSigma ? "kept" : "undecided, kept as in the start's poses";
 }
 
 CameraReport DescribeCamera(const CaptureObservations& capture, const Solution& solution, int v,
@@ -125,7 +125,7 @@ double LargestViewAngle(const CaptureObservations& capture, const RigEstimate& e
       for (int w = 0; w < v; ++w) {
         if (!estimate.CameraAt(n, v).valid || !estimate.CameraAt(n, w).valid) continue;
         const double cosine = estimate.CameraAt(n, v).Rotation().row(2).dot(estimate.CameraAt(n, w).Rotation().row(2));
-        // Views from opposite sides tell as little of depth as views from the same.
+        // Views from opposite sides say as little about depth as views from the same side.
         largest = std::max(largest, std::acos(std::clamp(std::abs(cosine), 0.0, 1.0)));
       }
     }
@@ -178,11 +178,11 @@ std::string SolveReport::ToText() const {
     text += fmt::format("  frames      {} of {} solved; {} seen by fewer than two cameras\n", capture.frames_solved,
                         capture.frames, capture.frames_too_few_views);
     text +=
-        fmt::format("  keypoints   {:.2f} % of the body's bone length off (median)\n", capture.reprojection_percent);
+        fmt::format("  keypoints   off by {:.2f} % of the body's bone length (median)\n", capture.reprojection_percent);
     text += fmt::format("  mirror      {} ({:.1f} standard errors)\n", capture.mirror, capture.mirror_sigma);
     for (const CameraReport& camera : capture.cameras) {
       text += camera.used
-                  ? fmt::format("  {:<11} focal length {:.0f} px, {:.2f} % off, {:.1f} % outliers\n", camera.name,
+                  ? fmt::format("  {:<11} focal length {:.0f} px, off by {:.2f} %, {:.1f} % outliers\n", camera.name,
                                 camera.focal_px, camera.reprojection_percent, camera.outlier_percent)
                   : fmt::format("  {:<11} not used{}{}\n", camera.name, camera.why_not_used.empty() ? "" : ": ",
                                 camera.why_not_used);
@@ -191,7 +191,7 @@ std::string SolveReport::ToText() const {
       text += fmt::format("  {:<11} {} frames {} than the others in clip {}\n", offset.camera, std::abs(offset.frames),
                           offset.frames < 0 ? "later" : "earlier", offset.clip + 1);
     }
-    text += fmt::format("  left-right swaps mended: {}\n", capture.swaps_mended);
+    text += fmt::format("  left-right swaps corrected: {}\n", capture.swaps_corrected);
     for (const std::string& warning : capture.warnings) text += fmt::format("  warning: {}\n", warning);
   }
   return text;
@@ -228,7 +228,7 @@ std::string SolveReport::ToJson() const {
       one["mirror"] = capture.mirror;
       one["mirror_sigma"] = capture.mirror_sigma;
       one["cameras"] = cameras;
-      one["swaps_mended"] = capture.swaps_mended;
+      one["swaps_mended"] = capture.swaps_corrected;
       one["offsets"] = Json::array();
       for (const OffsetReport& offset : capture.offsets) {
         one["offsets"].push_back({{"clip", offset.clip}, {"camera", offset.camera}, {"frames", offset.frames}});

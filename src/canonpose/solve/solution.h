@@ -1,4 +1,4 @@
-// What the solver knows of a capture between its stages, and at the end.
+// What one stage of the solver hands to the next, and the last one to the report.
 #pragma once
 
 #include "canonpose/solve/adjustment.h"
@@ -10,9 +10,9 @@ namespace canonpose {
 struct Solution {
   RigEstimate estimate;
   AdjustmentScales scales;
-  bool mirrored = false;      ///< found from the depth mirror of the start's poses
-  double mirror_sigma = 0.0;  ///< Preference() over the mirrored solution
-  /// How the last adjustment of the calibration went, or the first that failed: then the rest is no solution.
+  bool mirrored = false;      ///< found from the mirror of the start's poses
+  double mirror_sigma = 0.0;  ///< Preference() over the mirror; see fit.h
+  /// How the calibration's last adjustment went, or the first that failed; then the estimate is not a solution.
   AdjustmentSummary calibration{};
 };
 

@@ -34,8 +34,8 @@ struct CaptureWork {
 
 bool HasFailed(const CaptureWork& work) { return !work.report.failure.empty(); }
 
-/// The cameras of a capture, or why there are none in the report. `capture` is mended: cameras out of step, of somebody
-/// else.
+/// Finds the cameras of a capture, or sets the failure in the report. Corrects `capture`: views that are out of step
+/// are shifted, those that show somebody else removed.
 void FindCameras(CaptureObservations& capture, const SolveOptions& options, CaptureWork& work) {
   work.report.name = capture.name;
   work.report.static_cameras = capture.static_cameras;
@@ -43,8 +43,8 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options, Capt
   work.report.failure = MissingInput(capture);
   if (HasFailed(work)) return;
   const CalibrationOptions calibration{options.mirror, options.calibration_frames, ThreadsToUse(options.threads)};
-  const Calibrate calibrate = [&](const CaptureObservations& mended) {
-    return mended.static_cameras ? CalibrateStatic(mended, calibration) : CalibrateMoving(mended, calibration);
+  const Calibrate calibrate = [&](const CaptureObservations& corrected) {
+    return corrected.static_cameras ? CalibrateStatic(corrected, calibration) : CalibrateMoving(corrected, calibration);
   };
   work.solution = calibrate(capture);
   if (work.solution.calibration.IsUsable()) work.check = CheckCameras(capture, calibrate, work.solution);
@@ -54,7 +54,8 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options, Capt
   }
 }
 
-/// Captures of moving cameras are single clips: a subject's bones are known better from all of its clips together.
+/// Captures of moving cameras are single clips, so a subject's bone lengths are better known from all of its clips
+/// together.
 void PoolBones(const std::vector<CaptureObservations>& captures, std::vector<CaptureWork>& works) {
   const auto takes_part = [&](std::size_t c) { return !captures[c].static_cameras && !HasFailed(works[c]); };
   std::map<std::string, std::vector<std::vector<double>>> of_subject;  // (clips, J)
@@ -77,13 +78,13 @@ void PoolBones(const std::vector<CaptureObservations>& captures, std::vector<Cap
 }
 
 /// The report of a capture that was solved.
-void FinishReport(const CaptureObservations& capture, const SolveOptions& options, int swaps_mended,
+void FinishReport(const CaptureObservations& capture, const SolveOptions& options, int swaps_corrected,
                   CaptureWork& work) {
   const Solution& solution = work.solution;
   const CameraCheck& check = work.check;
   CaptureReport& report = work.report;
   report = MakeReport(capture, solution, work.windows, options.mirror);
-  report.swaps_mended = swaps_mended;
+  report.swaps_corrected = swaps_corrected;
   for (std::size_t v = 0; v < capture.cameras.size(); ++v) {
     if (check.dropped[v]) report.cameras[v].why_not_used = "does not show the same person, or not at the same time";
     for (std::size_t clip = 0; clip < capture.clips.size(); ++clip) {
@@ -93,9 +94,9 @@ void FinishReport(const CaptureObservations& capture, const SolveOptions& option
   }
   const std::string doubt = Doubtful(MeasurePlausibility(capture, solution));
   if (!doubt.empty()) report.warnings.push_back(doubt);
-  if (options.mirror == "auto" && std::abs(solution.mirror_sigma) < kSureSigma) {
+  if (options.mirror == "auto" && std::abs(solution.mirror_sigma) < kDecisiveSigma) {
     report.warnings.emplace_back(
-        "perspective does not tell whether depth is the right way round; it is as in the start's poses");
+        "perspective does not decide between the solution and its mirror in depth; depth is as in the start's poses");
   }
 }
 
@@ -107,7 +108,7 @@ void TriangulateAllFrames(const CaptureObservations& capture, Solution& solution
   solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
 }
 
-/// Adds to the report how the windows went; where all failed, so has the capture.
+/// Solves all frames in windows and adds to the report how that went. If all windows fail, the capture fails.
 void AdjustAllFrames(const CaptureObservations& capture, const SolveOptions& options, CaptureWork& work) {
   const std::vector<FailedWindow> failed_before = std::move(work.windows.failed);
   work.windows = SolveWindows(capture, options.window_frames, ThreadsToUse(options.threads), work.solution);
@@ -117,7 +118,7 @@ void AdjustAllFrames(const CaptureObservations& capture, const SolveOptions& opt
   work.report.failure = fmt::format("no frame could be solved: {}", work.windows.failed.front().reason);
 }
 
-/// Every frame of a capture whose cameras are known. `capture` is mended where left and right were exchanged.
+/// Solves every frame of a capture whose cameras are known. Corrects left-right swaps in `capture`.
 void SolveAllFrames(CaptureObservations& capture, const SolveOptions& options, CaptureWork& work) {
   const auto solve_frames = [&] {
     capture.static_cameras ? TriangulateAllFrames(capture, work.solution) : AdjustAllFrames(capture, options, work);
@@ -126,7 +127,7 @@ void SolveAllFrames(CaptureObservations& capture, const SolveOptions& options, C
   if (HasFailed(work)) return;
   work.report.failure = Implausible(MeasurePlausibility(capture, work.solution));
   if (HasFailed(work)) return;
-  const int swaps = MendSwaps(capture, work.solution, ThreadsToUse(options.threads));
+  const int swaps = CorrectSwaps(capture, work.solution, ThreadsToUse(options.threads));
   if (swaps > 0) solve_frames();
   if (capture.static_cameras) {
     work.solution.scales.acceleration = MeasureAccelerations(capture, work.solution.estimate);
@@ -146,7 +147,7 @@ Camera CameraOf(const CaptureObservations& capture, const RigEstimate& estimate,
   return camera;
 }
 
-/// The frame nearest to `frame` in a clip whose camera is known; -1 where there is none.
+/// The frame of a clip nearest to `frame` in which the view's camera is known; -1 where there is none.
 int NearestKnownFrame(const RigEstimate& estimate, const ClipRange& clip, int frame, int view) {
   for (int distance = 0; distance < clip.count; ++distance) {
     for (const int n : {frame - distance, frame + distance}) {
@@ -175,7 +176,7 @@ void WriteView(const CaptureObservations& capture, const Solution& solution, con
   view.solved.assign(3 * values, std::nanf(""));
   view.solved_uncertainty.assign(values, std::nanf(""));
   for (int t = 0; t < clip.count; ++t) {
-    const int frame = clip.first + t + offset_frames;  // in its own time, the camera's keypoints being as recorded
+    const int frame = clip.first + t + offset_frames;  // the dataset keeps the camera's own time
     if (frame < clip.first || frame >= clip.first + clip.count) continue;
     if (!solution.estimate.CameraAt(frame, v).valid) continue;
     for (std::size_t j = 0; j < joints; ++j) {
@@ -208,7 +209,7 @@ void WriteSolution(const CaptureObservations& capture, const Solution& solution,
   }
 }
 
-/// A capture that was not solved: NaN where poses would be.
+/// For a capture that was not solved: NaN where poses would be.
 void WriteNothing(const CaptureObservations& capture, Dataset& dataset) {
   for (const ClipRange& clip : capture.clips) {
     for (CameraView& view : dataset.sequences[clip.sequence].cameras) {
@@ -218,7 +219,7 @@ void WriteNothing(const CaptureObservations& capture, Dataset& dataset) {
   }
 }
 
-/// Throws where no capture was solved, with the reason of each.
+/// Throws, with the reason of each, where no capture was solved.
 void RequireOneSolved(const SolveReport& report) {
   std::string reasons;
   for (const CaptureReport& capture : report.captures) {

@@ -28,7 +28,7 @@ std::vector<Window> MakeWindows(const CaptureObservations& capture, int window_f
   for (std::size_t c = 0; c < capture.clips.size(); ++c) {
     const ClipRange& clip = capture.clips[c];
     const int end = clip.first + clip.count;
-    // Windows of equal length, so that the last is no stump.
+    // Windows of equal length, rather than a short one at the end.
     const int count = std::max(1, (clip.count + window_frames / 2) / window_frames);
     for (int w = 0; w < count; ++w) {
       const int first = clip.first + static_cast<int>(static_cast<std::int64_t>(w) * clip.count / count);
@@ -40,8 +40,8 @@ std::vector<Window> MakeWindows(const CaptureObservations& capture, int window_f
   return windows;
 }
 
-/// Turns the world of a slice back to where it was before it was adjusted: only the cameras' motion is determined, not
-/// the common turn of a window.
+/// Rotates the world of a slice back to where it was before the adjustment, which determines how cameras move relative
+/// to each other and over time but not their common rotation.
 void KeepWorld(const RigEstimate& before, RigEstimate& slice) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (std::size_t c = 0; c < slice.cameras.size(); ++c) {
@@ -63,7 +63,7 @@ bool HasJoints(const RigEstimate& estimate, int first, int last) {
   return false;
 }
 
-/// Of a window that failed nothing is known but static cameras and bone lengths.
+/// Removes what a failed adjustment leaves unknown: joints and moving cameras.
 void Forget(RigEstimate& slice) {
   std::ranges::fill(slice.joints, Eigen::Vector3d::Constant(std::nan("")));
   if (slice.static_cameras) return;
@@ -104,7 +104,7 @@ WindowsSummary SolveWindows(const CaptureObservations& capture, int window_frame
   AdjustmentOptions options;
   options.scales = solution.scales;
   options.free_bones = false;
-  // A window alone tells little of perspective; calibration has told what there is to tell.
+  // A window by itself says little about perspective, so the focal lengths stay near those of the calibration.
   options.scales.log_focal = kWindowLogFocal;
   options.free_cameras = !capture.static_cameras;
   options.iterations = capture.static_cameras ? 5 : 20;

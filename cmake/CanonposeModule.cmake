@@ -21,10 +21,12 @@ if(CANONPOSE_SANITIZE)
 endif()
 
 # LibTorch's headers, compiled once for all that include them.
-file(WRITE ${PROJECT_BINARY_DIR}/torch_headers.cc "// Its precompiled header is all that is wanted of it.\n")
-add_library(canonpose_torch_headers OBJECT ${PROJECT_BINARY_DIR}/torch_headers.cc)
-target_link_libraries(canonpose_torch_headers PRIVATE canonpose_options canonpose_torch)
-target_precompile_headers(canonpose_torch_headers PRIVATE <torch/torch.h>)
+if(CANONPOSE_WITH_TORCH)
+  file(WRITE ${PROJECT_BINARY_DIR}/torch_headers.cc "// Only its precompiled header is used.\n")
+  add_library(canonpose_torch_headers OBJECT ${PROJECT_BINARY_DIR}/torch_headers.cc)
+  target_link_libraries(canonpose_torch_headers PRIVATE canonpose_options canonpose_torch)
+  target_precompile_headers(canonpose_torch_headers PRIVATE <torch/torch.h>)
+endif()
 
 # canonpose_torch_objects(NAME SOURCES ... LINKS ...): objects of sources that include LibTorch's headers.
 function(canonpose_torch_objects name)
@@ -37,6 +39,10 @@ endfunction()
 
 function(canonpose_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;TORCH_SOURCES;LINKS;PRIVATE_LINKS;TESTS;TORCH_TESTS;TEST_LINKS" ${ARGN})
+  if(NOT CANONPOSE_WITH_TORCH)
+    set(ARG_TORCH_SOURCES)
+    set(ARG_TORCH_TESTS)
+  endif()
   add_library(canonpose_${name} STATIC ${ARG_SOURCES})
   target_link_libraries(canonpose_${name} PUBLIC ${ARG_LINKS} PRIVATE canonpose_options ${ARG_PRIVATE_LINKS})
   target_include_directories(canonpose_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)

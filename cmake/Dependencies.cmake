@@ -30,17 +30,19 @@ find_package(HDF5 REQUIRED COMPONENTS C)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(LIBZIP REQUIRED IMPORTED_TARGET libzip)
 pkg_check_modules(MATIO REQUIRED IMPORTED_TARGET matio)
-find_package(Torch REQUIRED)
 if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
   find_package(GTest REQUIRED)
 endif()
 
-# TORCH_CXX_FLAGS is the ABI of the standard library that this LibTorch was built with: it must be that of the whole program.
-string(APPEND CMAKE_CXX_FLAGS " ${TORCH_CXX_FLAGS}")
-# LibTorch's headers are not ours to warn about.
-add_library(canonpose_torch INTERFACE)
-target_link_libraries(canonpose_torch INTERFACE ${TORCH_LIBRARIES})
-target_include_directories(canonpose_torch SYSTEM INTERFACE ${TORCH_INCLUDE_DIRS})
+if(CANONPOSE_WITH_TORCH)
+  find_package(Torch REQUIRED)
+  # TORCH_CXX_FLAGS is the ABI of the standard library that this LibTorch was built with: it must be that of the whole program.
+  string(APPEND CMAKE_CXX_FLAGS " ${TORCH_CXX_FLAGS}")
+  # LibTorch's headers are not ours to warn about.
+  add_library(canonpose_torch INTERFACE)
+  target_link_libraries(canonpose_torch INTERFACE ${TORCH_LIBRARIES})
+  target_include_directories(canonpose_torch SYSTEM INTERFACE ${TORCH_INCLUDE_DIRS})
+endif()
 
 add_library(canonpose_hdf5 INTERFACE)
 target_include_directories(canonpose_hdf5 SYSTEM INTERFACE ${HDF5_INCLUDE_DIRS})

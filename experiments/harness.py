@@ -1,4 +1,4 @@
-"""What the experiments share: running the program, several trainings at a time, and tables."""
+"""Shared by the experiments: running the program, running several trainings at a time, and tables."""
 import argparse
 import concurrent.futures
 import hashlib
@@ -10,13 +10,13 @@ import tempfile
 
 PROJECT = pathlib.Path(__file__).resolve().parent.parent
 CANONPOSE = PROJECT / "build" / "canonpose"
-# A run counts as mirrored where the depth mirrors of most of its poses fit the truth better than they.
+# A run counts as mirrored if the depth mirrors of most of its poses fit the truth better than the poses do.
 MIRRORED_PERCENT = 50.0
-# The deep trap: depth exaggerated up to threefold, or poses of which some are right and some mirrored, so that neither the network nor its
-# mirror is a solution.
+# The trap, a degenerate solution: depth is exaggerated up to threefold, or some poses are right and others mirrored, so that neither the
+# network nor its mirror is a solution.
 TRAP_DEPTH = 1.4
 TRAP_MIRRORED_PERCENT = (5.0, 95.0)
-# The right basin and mirror of a solution: about as deep as the truth, and next to none of its poses mirrored.
+# A solution is right if its poses are about as deep as the truth, and hardly any of them is mirrored.
 RIGHT_DEPTH = (0.7, 1.4)
 RIGHT_MIRRORED_PERCENT = 5.0
 
@@ -27,7 +27,7 @@ def require_build():
 
 
 def run(*arguments):
-    """Runs canonpose and returns what it printed; its message ends the experiment where it fails."""
+    """Runs canonpose and returns what it printed. If it fails, its message ends the experiment."""
     result = subprocess.run([str(CANONPOSE), *map(str, arguments)], capture_output=True, text=True)
     if result.returncode != 0:
         raise SystemExit(f"canonpose {' '.join(map(str, arguments))}\n{result.stderr}")
@@ -35,17 +35,17 @@ def run(*arguments):
 
 
 def positive(text):
-    """For argparse: a whole number from 1 on."""
+    """For argparse: a positive whole number."""
     if not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text} is no whole number from 1 on")
+        raise argparse.ArgumentTypeError(f"expected a positive whole number, found {text}")
     return int(text)
 
 
 def add_train_options(parser, default):
-    """To be added last: what follows the option is no longer the experiment's."""
+    """Add this option last: everything after it goes to `train`."""
     parser.add_argument("--train-options", nargs=argparse.REMAINDER, default=default, metavar="OPTION",
-                        help="the last option here: all that follows goes to every training, "
-                             "such as --train-options --width 1024 --epochs 100")
+                        help="must come last: all options after it go to every training, "
+                             "as in --train-options --width 1024 --epochs 100")
 
 
 def require_protocol(name):
@@ -58,7 +58,7 @@ def require_protocol(name):
 
 
 def identity(path):
-    """A file's path and content in short, for the recipe of an experiment; nothing without a path."""
+    """A file's path and a hash of its content, for the recipe of an experiment; None without a path."""
     if path is None:
         return None
     if not path.is_file():
@@ -80,7 +80,7 @@ def evaluate_solved(solved, *options):
 
 
 def train_and_evaluate(run_folder, train_data, test_data, preset, seed, settings, evaluate_options=()):
-    """One training: its figures on the test data, the mirror decision and whether it is in the trap."""
+    """Trains once. Returns the figures on the test data, the mirror decision and the verdict on the trap."""
     run("train", *train_data, "-o", run_folder, "--preset", preset, "--seed", seed, "--threads", 1, *settings)
     info = json.loads(run("info", run_folder, "--json"))
     mirror, trap = info["mirror"], info["trap"]
@@ -108,9 +108,9 @@ def is_right(result):
 
 
 def in_parallel(function, jobs, workers, output=None, recipe=""):
-    """Results of function(*job) in the order of jobs, each told when it is done; a job's first item is its name.
+    """Results of function(*job) in the order of the jobs; each is printed when it is done. A job's first item is its name.
 
-    With an output, results are kept in OUTPUT.runs.jsonl as they come, and an experiment that was killed goes on from there, if its
+    With an output, results are also kept in OUTPUT.runs.jsonl, so that an experiment that was killed continues from there if its
     recipe is the same.
     """
     record = output.with_suffix(".runs.jsonl") if output else None
@@ -147,7 +147,7 @@ def spread(values, digits=1):
 
 
 def split_clips(folder, every=5):
-    """Motion capture clips of a folder: those to train on, and every fifth, which is held out."""
+    """The motion capture clips of a folder: those to train on, and those held out, every fifth by default."""
     clips = sorted(path for path in folder.rglob("*") if path.suffix.lower() in (".amc", ".bvh"))
     held_out = clips[every - 1::every]
     return [clip for clip in clips if clip not in held_out], held_out
@@ -164,7 +164,7 @@ def table(header, rows):
 
 
 def write(output, text, results):
-    """The text as OUTPUT.md and every run's figures as OUTPUT.json, where an output is asked for."""
+    """Prints the text. With an output, writes it to OUTPUT.md and every run's figures to OUTPUT.json."""
     print("\n" + text)
     if output:
         output.with_suffix(".md").write_text(text)

@@ -18,7 +18,7 @@ install_packages() {
   done
   [ ${#missing[@]} -eq 0 ] && return 0
   if ! command -v apt-get >/dev/null; then
-    echo "error: these Debian 12 packages are needed and apt-get is not here to install them: ${missing[*]}" >&2
+    echo "error: these Debian 12 packages are needed, and there is no apt-get to install them: ${missing[*]}" >&2
     exit 2
   fi
   local root=()
@@ -41,7 +41,7 @@ install_packages() {
   rm -f "$log"
 }
 
-# forget_other_place PRESET: removes the build of a source folder that has been moved or copied since, which CMake refuses to continue.
+# forget_other_place PRESET: removes the build folder if the source folder was moved or copied, because CMake refuses to use it then.
 forget_other_place() {
   local folder=build
   [ "$1" = release ] || folder=build-$1
@@ -50,7 +50,7 @@ forget_other_place() {
   [ -z "$home" ] || [ "$home" = "$PWD" ] || rm -rf "$folder"
 }
 
-# build PRESET TARGET...: configures and builds; shows a line of progress on a terminal and everything on failure.
+# build PRESET TARGET...: configures and builds; shows one line of progress on a terminal, and everything if it fails.
 build() {
   local preset=$1
   shift
@@ -59,7 +59,7 @@ build() {
   log=$(mktemp)
   if ! cmake --preset "$preset" >"$log" 2>&1; then
     cat "$log" >&2
-    echo "error: configuring failed; a fresh Debian 12 with the packages above is known to work" >&2
+    echo "error: configuring failed; a fresh Debian 12 with the packages in scripts/setup.sh is known to work" >&2
     exit 2
   fi
   rm -f "$log"

@@ -11,13 +11,14 @@
 #include <unistd.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/temporary_folder.h"
 
 namespace canonpose {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Syncs a file or folder; the error number, 0 where it went well.
+/// Syncs a file or folder. Returns the error number, 0 on success.
 int Sync(const fs::path& path, int flags) {
   const int descriptor = ::open(path.c_str(), flags | O_CLOEXEC);
   if (descriptor < 0) return errno;
@@ -26,9 +27,16 @@ int Sync(const fs::path& path, int flags) {
   return result;
 }
 
+/// The permissions that new files of this process are denied. The mask can only be read by setting it.
+mode_t FileModeMask() {
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  return mask;
+}
+
 fs::path FolderOf(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
-/// The place that links at `path` lead to, whether there is something or not. Throws where they lead round in a circle.
+/// The path that symbolic links at `path` lead to, whether it exists or not. Throws where the links form a circle.
 fs::path ResolveLinks(const fs::path& path) {
   constexpr int kMaxLinks = 40;
   fs::path target = path;
@@ -37,13 +45,12 @@ fs::path ResolveLinks(const fs::path& path) {
     const fs::path next = fs::read_symlink(target, error);
     if (error) ThrowCannotWrite(path, error.value());
     if (i == kMaxLinks) ThrowCannotWrite(path, ELOOP);
-    target = FolderOf(target) / next;  // an absolute `next` stands alone
+    target = FolderOf(target) / next;  // an absolute `next` replaces the folder
   }
   return target;
 }
 
-/// Whether bytes can only be passed on to what is at `path`: a pipe, a device, or an open file of a process by its
-/// number.
+/// Whether `path` can only be written to, not replaced: a pipe, a device, or a process's open file by its number.
 bool IsStream(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -51,12 +58,12 @@ bool IsStream(const fs::path& path) {
   if (!fs::exists(status) || fs::is_directory(status)) return false;
   const fs::path folder = fs::canonical(FolderOf(path), error);
   if (!error && folder.string().starts_with("/proc/")) return true;
-  // /dev/stdout and the like are links to the numbers.
+  // /dev/stdout and the like are links to these numbers.
   const fs::path next = fs::read_symlink(path, error);
   return !error && next.string().starts_with("/proc/self/fd/");
 }
 
-/// Writes everything and closes the descriptor; the error number, 0 where it went well.
+/// Writes everything and closes the descriptor. Returns the error number, 0 on success.
 int WriteAndClose(int descriptor, std::string_view contents) {
   while (!contents.empty()) {
     const ssize_t written = ::write(descriptor, contents.data(), contents.size());
@@ -74,11 +81,11 @@ int WriteAndClose(int descriptor, std::string_view contents) {
 }  // namespace
 
 void ThrowCannotWrite(const fs::path& path, int error_number) {
-  std::string advice = "choose another place, or make this one writable";
+  std::string advice = "choose another folder, or make this one writable";
   if (error_number == ENOSPC || error_number == EFBIG || error_number == EDQUOT) {
     advice = "free some space and run the command again; the file that was there before is untouched";
   }
-  ThrowBadInput({path.string(), "", "a place that can be written", std::strerror(error_number), advice});
+  ThrowBadInput({path.string(), "", "a path that can be written to", std::strerror(error_number), advice});
 }
 
 void MakeDirectory(const fs::path& directory) {
@@ -93,17 +100,15 @@ AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)) {
   const fs::file_status status = fs::status(path_, error);
   if (fs::is_directory(status)) ThrowCannotWrite(path_, EISDIR);
   if (IsStream(path_) || (fs::exists(status) && !fs::is_regular_file(status))) {
-    ThrowBadInput({path_.string(), "", "a regular file or a new one", "a pipe, device or the like",
-                   "choose a file with -o: this output cannot be streamed"});
+    ThrowBadInput({path_.string(), "", "a regular file or a new one", "a pipe or a device",
+                   "choose a file: this output cannot be streamed"});
   }
   target_ = ResolveLinks(path_);
   std::string pattern = (FolderOf(target_) / (".new-" + target_.filename().string() + "-XXXXXX")).string();
   const int descriptor = ::mkstemp(pattern.data());
   if (descriptor < 0) ThrowCannotWrite(path_, errno);
-  // mkstemp makes files private; give the permissions an ordinary file would have.
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  ::fchmod(descriptor, 0666 & ~mask);
+  // mkstemp makes files private; give it the permissions that an ordinary file would have.
+  ::fchmod(descriptor, 0666 & ~FileModeMask());
   ::close(descriptor);
   temporary_path_ = pattern;
 }
@@ -122,17 +127,14 @@ void AtomicFile::Commit() {
 AtomicFolder::AtomicFolder(const fs::path& path) : path_(path.has_filename() ? path : path.parent_path()) {
   std::error_code error;
   if (fs::exists(path_, error) && !(fs::is_directory(path_, error) && fs::is_empty(path_, error))) {
-    ThrowBadInput({path_.string(), "", "a folder that is empty or not there yet", "something",
+    ThrowBadInput({path_.string(), "", "an empty folder or a new one", "an existing file or folder",
                    "remove it, or choose another place"});
   }
   MakeDirectory(FolderOf(path_));
-  std::string pattern = (FolderOf(path_) / (".new-" + path_.filename().string() + "-XXXXXX")).string();
-  if (::mkdtemp(pattern.data()) == nullptr) ThrowCannotWrite(path_, errno);
-  temporary_path_ = pattern;
-  // mkdtemp makes folders private; give the permissions an ordinary one would have.
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  ::chmod(pattern.c_str(), 0777 & ~mask);
+  temporary_path_ = MakeUniqueFolder(FolderOf(path_) / (".new-" + path_.filename().string() + "-"), error);
+  if (error) ThrowCannotWrite(path_, error.value());
+  // Give it the permissions that an ordinary folder would have.
+  ::chmod(temporary_path_.c_str(), 0777 & ~FileModeMask());
 }
 
 AtomicFolder::~AtomicFolder() {

@@ -1,5 +1,5 @@
-// How long work talks to its caller: messages, progress, and whether to stop. The library prints nothing of its own
-// accord and handles no signals.
+// How long-running work communicates with its caller: messages, progress, and whether to stop. The library itself
+// prints nothing and handles no signals.
 //
 //   Callbacks callbacks;
 //   callbacks.message = [](MessageLevel, const std::string& text) { std::cerr << text << '\n'; };
@@ -7,7 +7,7 @@
 //   const CallbackScope scope(callbacks);
 //   Train(job);
 //
-// A scope holds for the thread that made it and for the threads that the library starts on that thread's behalf
+// A scope applies to the thread that made it and to the threads that the library starts on that thread's behalf
 // (InParallel()).
 #pragma once
 
@@ -18,7 +18,7 @@ namespace canonpose {
 
 enum class MessageLevel { kInfo, kWarning };
 
-/// How far long work has come.
+/// How far long-running work has come.
 struct ProgressState {
   std::string label;  ///< what is being done: "step", "solve"
   long done = 0;      ///< of `total`
@@ -26,16 +26,16 @@ struct ProgressState {
   std::string detail;         ///< "loss 0.21"; may be empty
   double per_second = 0.0;    ///< of this run; 0 while unknown
   double seconds_left = 0.0;  ///< at that speed
-  bool has_ended = false;     ///< the last call: nothing more is to come of this work
+  bool has_ended = false;     ///< the last call for this work
 };
 
-/// Empty functions: silence, and work that runs to its end. They may be called from several threads, never from two at
-/// once for one scope.
+/// Empty functions mean silence, and work that runs to its end. The functions may be called from several threads, but
+/// never from two at once for one scope.
 struct Callbacks {
   std::function<void(MessageLevel level, const std::string& text)> message;
-  /// Called a few times a second at most.
+  /// Called at most a few times per second.
   std::function<void(const ProgressState& state)> progress;
-  /// Asked often. Once it returns true, work that can be resumed saves its state and returns at its next safe point;
+  /// Called often. Once it returns true, work that can be resumed saves its state and returns at its next safe point;
   /// other work throws Error(kStopped).
   std::function<bool()> stop;
 };
@@ -44,7 +44,8 @@ namespace internal {
 struct CallbackContext;
 }  // namespace internal
 
-/// While it lives, the callbacks of this thread's work are `callbacks`; then those that were before.
+/// During its lifetime, the callbacks of this thread's work are `callbacks`; afterwards those that were in force
+/// before.
 class CallbackScope {
  public:
   explicit CallbackScope(Callbacks callbacks);
@@ -57,21 +58,21 @@ class CallbackScope {
   internal::CallbackContext* outer_;
 };
 
-/// Callbacks that pass everything on to those that are in force on this thread now, for a scope within the scope.
+/// Callbacks that forward everything to those now in force on this thread, for a scope nested in the current one.
 Callbacks PassOn();
 
 /// Whether the caller has asked this thread's work to stop.
 bool StopRequested();
 
-/// For work that cannot be continued later: throws Error(kStopped) where the caller has asked it to stop.
+/// For work that cannot be continued later: throws Error(kStopped) if the caller has asked it to stop.
 void ThrowIfStopRequested();
 
 namespace internal {
 
-/// The callbacks in force on this thread; null: none.
+/// The callbacks in force on this thread; null if there are none.
 CallbackContext* CurrentContext();
 
-/// Takes over another thread's callbacks, for a thread that works on its behalf.
+/// Adopts another thread's callbacks, for a thread that works on its behalf.
 class ContextOfThread {
  public:
   explicit ContextOfThread(CallbackContext* context);

@@ -20,7 +20,7 @@ using testing::CollectedMessages;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-TEST(Callbacks, WithoutAnyWorkIsSilentAndGoesOn) {
+TEST(Callbacks, WithoutAnyWorkIsSilentAndContinues) {
   ::testing::internal::CaptureStderr();
   ::testing::internal::CaptureStdout();
   LogWarning("nobody hears");
@@ -60,7 +60,7 @@ TEST(Callbacks, PassOnReachesTheOuterScope) {
   outer.stop = [&] { return stop; };
   const CallbackScope outer_scope(outer);
   Callbacks inner = PassOn();
-  EXPECT_FALSE(inner.progress) << "there is none to pass it on to";
+  EXPECT_FALSE(inner.progress) << "the outer scope has none to forward it to";
   const CallbackScope inner_scope(inner);
   LogInfo("through");
   EXPECT_THAT(heard, ElementsAre("through"));

@@ -15,7 +15,7 @@ std::string FormatBadInput(const BadInput& bad_input) {
   append(": ", bad_input.expected.empty() ? "" : "expected " + bad_input.expected);
   append(bad_input.expected.empty() ? ": " : ", ", bad_input.found.empty() ? "" : "found " + bad_input.found);
   append("; ", bad_input.advice);
-  // Text taken from a file may hold anything; the user gets one line.
+  // Text from a file may contain anything, but a message is one line.
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
   return text;

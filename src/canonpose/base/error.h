@@ -1,6 +1,6 @@
 // Failures that a caller can do something about: one exception type, its kind, one line of text.
 //
-// Messages are read by users of the command line and by those of the library, so they call an option by the name of
+// Messages are read by users of the command line and by users of the library, so they refer to an option by the name of
 // its field, in backquotes: "give `image_size`". The command line replaces it by the option that sets the field.
 #pragma once
 
@@ -14,12 +14,12 @@ namespace canonpose {
 
 enum class ErrorKind {
   kInvalidArgument,  ///< an option or a combination of options makes no sense
-  kBadInput,         ///< a file is not what it should be, or cannot be read or written
-  kComputation,      ///< the computation failed: it diverged, too few views, ...
-  kStopped,          ///< the caller asked work to stop that cannot be continued later (Callbacks::stop)
+  kBadInput,         ///< a file is not as it should be, or cannot be read or written
+  kComputation,      ///< the computation failed: it diverged, there are too few views, ...
+  kStopped,          ///< the caller stopped work that cannot be continued later (Callbacks::stop)
 };
 
-/// A failure that the user can act on, described in one line. A fault in this library is a std::logic_error
+/// A failure that the user can act on, described in one line. A bug in this library is a std::logic_error
 /// (CANONPOSE_CHECK).
 class Error : public std::runtime_error {
  public:

@@ -1,4 +1,4 @@
-// A fingerprint of data, to tell whether two runs saw the same; not for security.
+// A fingerprint of data, to see whether two runs had the same input; not for security.
 #pragma once
 
 #include <cstddef>

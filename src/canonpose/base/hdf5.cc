@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -34,7 +35,7 @@ class Id {
   Id& operator=(Id&&) = delete;
   operator hid_t() const { return id_; }  // NOLINT: the library's functions take it everywhere
   [[nodiscard]] bool valid() const { return id_ >= 0; }
-  /// The identifier, which is somebody else's to close from now on.
+  /// Gives up the identifier; the caller must close it.
   [[nodiscard]] hid_t Release() { return std::exchange(id_, -1); }
   herr_t Close() {
     if (id_ < 0) return 0;
@@ -46,7 +47,7 @@ class Id {
   Closer closer_;
 };
 
-/// HDF5 prints a stack of its own on every error; ours are told in one line. And where a file could not be written, as
+/// HDF5 prints a stack trace on every error, where we report one line. And where a file could not be written, such as
 /// on a full disk, it would try again at exit and crash.
 void PrepareLibrary() {
   static std::once_flag once;
@@ -78,15 +79,15 @@ std::size_t CountOf(const std::vector<std::size_t>& shape) {
   return count;
 }
 
-/// Whether all bits of a type are used, in one of the usual widths: the library itself writes past its buffers when it
-/// converts from some others, which damaged files have.
+/// Whether a type has one of the usual widths and uses all of its bits. Damaged files may have other types; for some of
+/// these the library writes past its own buffers when it converts them.
 bool IsOfUsualWidth(hid_t type) {
   const std::size_t bytes = H5Tget_size(type);
   const bool is_usual = bytes == 1 || bytes == 2 || bytes == 4 || bytes == 8;
   return is_usual && H5Tget_precision(type) == 8 * bytes && H5Tget_offset(type) == 0;
 }
 
-/// Whether sign, exponent and mantissa of a real type lie next to each other and fill it, as in IEEE 754.
+/// Whether sign, exponent and mantissa of a floating-point type are adjacent and fill it, as in IEEE 754.
 bool IsUsualReal(hid_t type) {
   std::size_t sign = 0;
   std::size_t exponent = 0;
@@ -110,7 +111,7 @@ std::string WithoutPadding(const char* text, std::size_t size) {
   return value;
 }
 
-/// Texts of variable length, which h5py hands out as str; those of fixed length come out as bytes.
+/// Strings of variable length, which h5py returns as str; it returns those of fixed length as bytes.
 Id StringType() {
   Id type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type, H5T_VARIABLE);
@@ -118,10 +119,10 @@ Id StringType() {
   return type;
 }
 
-/// Attributes share a header of 64 KiB at most; what claims many times that is damaged.
+/// Attributes share a header of at most 64 KiB; one that claims to be many times larger is damaged.
 constexpr std::size_t kLargestAttributeBytes = std::size_t{1} << 28;
 
-/// How many values an attribute has; nothing where the file is damaged so that there is no telling.
+/// How many values an attribute has; nothing where the file is so damaged that this is unknown.
 std::optional<std::size_t> AttributeCount(hid_t type, hid_t space) {
   const hssize_t count = H5Sget_simple_extent_npoints(space);
   const std::size_t size = H5Tget_size(type);
@@ -156,10 +157,10 @@ bool Group::HasAttribute(const std::string& name) const { return H5Aexists(state
 std::vector<std::string> Group::Children() const {
   std::vector<std::string> names;
   H5G_info_t info;
-  if (H5Gget_info(state_->id, &info) < 0) Fail("", "a group that can be listed", "a damaged one", "");
+  if (H5Gget_info(state_->id, &info) < 0) Fail("", "a group that can be listed", "a damaged group", "");
   for (hsize_t i = 0; i < info.nlinks; ++i) {
     const ssize_t size = H5Lget_name_by_idx(state_->id, ".", H5_INDEX_NAME, H5_ITER_INC, i, nullptr, 0, H5P_DEFAULT);
-    if (size < 0) Fail("", "a group that can be listed", "a damaged one", "");
+    if (size < 0) Fail("", "a group that can be listed", "a damaged group", "");
     std::string name(static_cast<std::size_t>(size), '\0');
     H5Lget_name_by_idx(state_->id, ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(), name.size() + 1, H5P_DEFAULT);
     names.push_back(std::move(name));
@@ -208,7 +209,7 @@ std::string Group::GetString(const std::string& name) const {
 }
 
 namespace {
-/// The values of an attribute of numbers; nothing where it is none or cannot be read.
+/// The values of an attribute of numbers; nothing where it has no numbers or cannot be read.
 template <typename T>
 std::optional<std::vector<T>> ReadNumbers(hid_t attribute, hid_t memory_type) {
   const Id type(H5Aget_type(attribute), H5Tclose);
@@ -226,7 +227,7 @@ std::optional<std::vector<T>> ReadNumbers(hid_t attribute, hid_t memory_type) {
   return values;
 }
 
-/// Above this a double no longer tells whole numbers apart.
+/// Above this, a double cannot represent every whole number.
 constexpr double kLargestExactDouble = 9007199254740992.0;
 }  // namespace
 
@@ -235,7 +236,7 @@ std::vector<std::int64_t> Group::GetInts(const std::string& name) const {
   Id attribute(H5Aopen(state_->id, name.c_str(), H5P_DEFAULT), H5Aclose);
   if (!attribute.valid()) Fail(place, "whole numbers", "nothing", "");
   const Id type(H5Aget_type(attribute), H5Tclose);
-  // The library converts by cutting off fractions and by taking the nearest number that fits.
+  // The library would convert by truncating fractions and by clamping to the range of the type.
   std::vector<std::int64_t> values;
   if (H5Tget_class(type) == H5T_FLOAT) {
     const auto reals = ReadNumbers<double>(attribute, H5T_NATIVE_DOUBLE);
@@ -251,7 +252,7 @@ std::vector<std::int64_t> Group::GetInts(const std::string& name) const {
     if (!naturals || H5Tget_size(type) > sizeof(std::uint64_t)) Fail(place, "whole numbers", "another type", "");
     for (const std::uint64_t natural : *naturals) {
       if (natural > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
-        Fail(place, "whole numbers of 64 bits with a sign", fmt::format("{}", natural), "");
+        Fail(place, "signed 64-bit whole numbers", fmt::format("{}", natural), "");
       }
       values.push_back(static_cast<std::int64_t>(natural));
     }
@@ -302,15 +303,28 @@ template Array<double> Group::Read<double>(const std::string&) const;
 template Array<std::int64_t> Group::Read<std::int64_t>(const std::string&) const;
 
 namespace {
-/// A failed write has the system's reason in errno more often than not.
+/// The system's reason for the failure of the last call, as noted by HDF5; 0 if there is none. errno itself may have
+/// been overwritten by the library's clean-up.
+int ReasonOfFailure() {
+  int reason = 0;
+  const auto find = [](unsigned, const H5E_error2_t* error, void* found) -> herr_t {
+    constexpr std::string_view kMark = "errno = ";
+    const std::string_view text = error->desc == nullptr ? "" : error->desc;
+    const std::size_t place = text.find(kMark);
+    if (place != std::string_view::npos) *static_cast<int*>(found) = std::atoi(text.data() + place + kMark.size());
+    return 0;
+  };
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, find, &reason);
+  return reason;
+}
+
 [[noreturn]] void ThrowWriteFailed(const fs::path& path) {
-  const int reason = errno;
+  const int reason = ReasonOfFailure();
   ThrowCannotWrite(path, reason == 0 ? EIO : reason);
 }
 
 void WriteAttribute(hid_t owner, const fs::path& path, const std::string& name, hid_t file_type, hid_t memory_type,
                     hid_t space, const void* data) {
-  errno = 0;
   Id attribute(H5Acreate2(owner, name.c_str(), file_type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   const bool is_empty = H5Sget_simple_extent_npoints(space) == 0;  // which H5Awrite refuses
   if (!attribute.valid() || (!is_empty && H5Awrite(attribute, memory_type, data) < 0)) ThrowWriteFailed(path);
@@ -323,7 +337,6 @@ Id SpaceFor(std::size_t count) {
 }  // namespace
 
 Group Group::Create(const std::string& name) {
-  errno = 0;
   Id id(H5Gcreate2(state_->id, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
   if (!id.valid()) ThrowWriteFailed(state_->final_path);
   id.Close();
@@ -364,13 +377,12 @@ template <typename T>
 void Group::Write(const std::string& name, std::span<const T> values, const std::vector<std::size_t>& shape) {
   CANONPOSE_CHECK(values.size() == CountOf(shape), "{} values for shape {}", values.size(), FormatShape(shape));
   constexpr std::size_t kChunkBytes = 1 << 20;
-  errno = 0;
   const std::vector<hsize_t> dimensions(shape.begin(), shape.end());
   const Id space(shape.empty() ? H5Screate(H5S_SCALAR)
                                : H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr),
                  H5Sclose);
   const Id properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-  // Without this the file holds the time it was written, and the same result has other bits every time.
+  // Without this the file contains the time of writing, and the same result has different bits every time.
   H5Pset_obj_track_times(properties, 0);
   if (!values.empty() && !shape.empty()) {
     std::vector<hsize_t> chunk = dimensions;
@@ -421,8 +433,8 @@ File File::OpenForReading(const fs::path& path) {
     std::string found = fs::is_directory(path, error) ? "a folder" : "another format";
     if (is_damaged) found = "one that is cut short or damaged";
     ThrowBadInput({path.string(), "", "a readable HDF5 file", found,
-                   is_damaged ? "copy it again or make it again"
-                              : "give a file made by canonpose; import makes one of keypoint files"});
+                   is_damaged ? "copy or create it again"
+                              : "give a file made by canonpose, such as by its import of keypoint files"});
   }
   return OfHandle(id.Release(), path.string());
 }
@@ -430,9 +442,9 @@ File File::OpenForReading(const fs::path& path) {
 File File::OpenImage(std::string_view image, const std::string& name) {
   PrepareLibrary();
   Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  constexpr std::size_t kIncrement = 64 * 1024;  // only a file that grows would need it
+  constexpr std::size_t kIncrement = 64 * 1024;  // only used by a file that grows
   H5Pset_fapl_core(access, kIncrement, /*backing_store=*/0);
-  // The library takes a pointer that is not const, and copies what it points to.
+  // The library's parameter is not const, but it copies what it points to.
   H5Pset_file_image(access, const_cast<char*>(image.data()), image.size());  // NOLINT
   Id id(H5Fopen(name.c_str(), H5F_ACC_RDONLY, access), H5Fclose);
   if (!id.valid()) ThrowBadInput({name, "", "an HDF5 file", "damaged data", "install the program again"});
@@ -451,7 +463,6 @@ File File::OfHandle(std::int64_t handle, const std::string& name) {
 File File::CreateAt(const fs::path& path) {
   PrepareLibrary();
   auto pending = std::make_unique<Pending>(path);
-  errno = 0;
   Id id(H5Fcreate(pending->file.temporary_path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
   if (!id.valid()) ThrowWriteFailed(path);
   File file = OfHandle(id.Release(), path.string());
@@ -460,8 +471,7 @@ File File::CreateAt(const fs::path& path) {
 }
 
 void File::Commit() {
-  CANONPOSE_CHECK(pending_ != nullptr, "only a file made by CreateAt() can be committed, once");
-  errno = 0;
+  CANONPOSE_CHECK(pending_ != nullptr, "only a file made by CreateAt() can be committed, and only once");
   const fs::path path = pending_->file.path();
   const bool flushed = H5Fflush(*root_.state_->file_id, H5F_SCOPE_GLOBAL) >= 0;
   if (!flushed) ThrowWriteFailed(path);

@@ -1,7 +1,7 @@
-// A small, safe face on the HDF5 C library: groups, attributes, arrays, and files that appear whole or not at all.
+// A small, safe interface to the HDF5 C library: groups, attributes, arrays, and files that appear whole or not at all.
 //
-// Every function throws Error(kBadInput) that names the file and the place in it when something is missing, has another
-// type or shape than asked for, or cannot be read or written.
+// When something is missing, has the wrong type or shape, or cannot be read or written, every function throws an
+// Error(kBadInput) that names the file and the place in it.
 #pragma once
 
 #include <cstdint>
@@ -62,7 +62,7 @@ class Group {
   template <typename T>
   void Write(const std::string& name, std::span<const T> values, const std::vector<std::size_t>& shape);
 
-  /// Throws the Error for something wrong at `name` in this group.
+  /// Throws the Error(kBadInput) for something wrong at `name` in this group.
   [[noreturn]] void Fail(const std::string& name, const std::string& expected, const std::string& found,
                          const std::string& advice) const;
 
@@ -75,10 +75,10 @@ class Group {
 
 class File {
  public:
-  /// Whether `path` begins as an HDF5 file does.
+  /// Whether the file at `path` starts with the signature of HDF5.
   static bool IsHdf5(const std::filesystem::path& path);
   static File OpenForReading(const std::filesystem::path& path);
-  /// A whole file held in memory, which is copied; errors call it `name`.
+  /// A whole file in memory, which is copied; errors refer to it as `name`.
   static File OpenImage(std::string_view image, const std::string& name);
   /// A new file that Commit() moves to `path`.
   static File CreateAt(const std::filesystem::path& path);
@@ -92,7 +92,7 @@ class File {
 
  private:
   File();
-  /// Takes over an open file, given as HDF5's handle.
+  /// Takes ownership of an open file, given by HDF5's handle.
   static File OfHandle(std::int64_t handle, const std::string& name);
   Group root_;
   struct Pending;

@@ -89,7 +89,7 @@ void WriteRaw(const std::filesystem::path& path, hid_t type, const void* value) 
   H5Fclose(file);
 }
 
-TEST(Hdf5, WholeNumbersAreNotCutToFit) {
+TEST(Hdf5, WholeNumbersAreNotClamped) {
   const TemporaryFolder folder;
   const auto read = [&] { return File::OpenForReading(folder / "a.h5").root().GetInt("x"); };
   for (const double value : {1.9, 1e300, -1e19, double{NAN}}) {
@@ -110,7 +110,7 @@ TEST(Hdf5, WholeNumbersAreNotCutToFit) {
   EXPECT_EQ(read(), -7);
 }
 
-TEST(Hdf5, TextsAreWrittenWithAVariableLengthAndBothKindsAreRead) {
+TEST(Hdf5, StringsAreWrittenWithVariableLengthAndBothKindsAreRead) {
   const TemporaryFolder folder;
   const std::string very_long(100000, 'x');
   {
@@ -125,7 +125,7 @@ TEST(Hdf5, TextsAreWrittenWithAVariableLengthAndBothKindsAreRead) {
   for (const char* name : {"text", "empty", "texts", "long"}) {
     const hid_t attribute = H5Aopen(raw, name, H5P_DEFAULT);
     const hid_t type = H5Aget_type(attribute);
-    EXPECT_GT(H5Tis_variable_str(type), 0) << name << ": h5py hands out texts of fixed length as bytes";
+    EXPECT_GT(H5Tis_variable_str(type), 0) << name << ": h5py returns strings of fixed length as bytes";
     EXPECT_EQ(H5Tget_cset(type), H5T_CSET_UTF8) << name;
     H5Tclose(type);
     H5Aclose(attribute);
@@ -146,7 +146,7 @@ TEST(Hdf5, TextsAreWrittenWithAVariableLengthAndBothKindsAreRead) {
   EXPECT_EQ(File::OpenForReading(folder / "b.h5").root().GetString("x"), "of fixed length");
 }
 
-TEST(Hdf5, PathsThatCannotBeLookedAtAreOneLine) {
+TEST(Hdf5, UnreadablePathsAreOneLine) {
   const std::filesystem::path path = "/tmp/" + std::string(300, 'x');
   EXPECT_FALSE(File::IsHdf5(path));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)File::OpenForReading(path); }),

@@ -18,10 +18,10 @@ LogFile::LogFile(const std::filesystem::path& path) : sink_(std::make_unique<Sin
     sink_->logger = std::make_shared<spdlog::logger>(
         "file", std::make_shared<spdlog::sinks::basic_file_sink_mt>(path.string(), /*truncate=*/false));
   } catch (const spdlog::spdlog_ex& failure) {
-    ThrowBadInput({path.string(), "", "a file that can be written", failure.what(), "choose another output folder"});
+    ThrowBadInput({path.string(), "", "a file that can be written to", failure.what(), "choose another output folder"});
   }
   sink_->logger->set_pattern("%Y-%m-%d %H:%M:%S %v");
-  // A full disk must not stop a training run for the sake of its log.
+  // A full disk must not stop a training run just because its log cannot be written.
   sink_->logger->set_error_handler([](const std::string&) {});
 
   Callbacks callbacks = PassOn();

@@ -1,4 +1,4 @@
-// Messages of the work in progress: they go to the caller (callbacks.h), and to a file where one is open.
+// Messages of the work in progress. They go to the caller (callbacks.h), and also to a file where one is open.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,7 @@ void LogWarning(fmt::format_string<Args...> format, Args&&... args) {
   internal::SendMessage(MessageLevel::kWarning, fmt::format(format, std::forward<Args>(args)...));
 }
 
-/// While it lives, the messages of this thread's work are appended to a file too, with the time.
+/// During its lifetime, the messages of this thread's work are also appended to a file, with the time.
 class LogFile {
  public:
   /// Throws Error(kBadInput) where the file cannot be opened.
@@ -31,7 +31,7 @@ class LogFile {
   LogFile(const LogFile&) = delete;
   LogFile& operator=(const LogFile&) = delete;
 
-  /// Writes to the file alone: details that would be too much for the caller.
+  /// Writes to the file only: details that would be too much for the caller.
   void Write(const std::string& text);
 
  private:

@@ -1,4 +1,4 @@
-// The median, which a minority of bad values does not move.
+// The median, which a minority of outliers does not affect.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace canonpose {
 
-/// Of an even number the mean of the two in the middle; NaN of nothing.
+/// The median; for an even number of values the mean of the middle two, for none NaN.
 inline double Median(std::vector<double> values) {
   if (values.empty()) return std::nan("");
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -1,23 +1,17 @@
 #include "canonpose/base/nearest_name.h"
 
 #include <algorithm>
-#include <cctype>
+
+#include "canonpose/base/names.h"
 
 namespace canonpose {
 namespace {
 
-/// A shorter beginning of a name may be anything.
+/// A shorter prefix may mean any name.
 constexpr std::size_t kMinBeginning = 3;
 constexpr std::size_t kLettersPerSlip = 3;
 
-std::string LowerCase(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
-}
-
-/// Letters missed, added, exchanged or swapped: the optimal string alignment distance.
+/// Letters missed, added, replaced or swapped: the optimal string alignment distance.
 std::size_t Slips(const std::string& a, const std::string& b) {
   std::vector<std::vector<std::size_t>> slips(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) {

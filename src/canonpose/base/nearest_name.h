@@ -1,4 +1,4 @@
-// What somebody who mistyped a name may have meant.
+// Finds the name that somebody who mistyped it may have meant.
 #pragma once
 
 #include <optional>
@@ -8,9 +8,9 @@
 
 namespace canonpose {
 
-/// The name that `word` is a slip of: the beginning of a single name, or the fewest letters away that were missed,
-/// added, exchanged for another or swapped with their neighbour, one in three at most. The first of several; none where
-/// nothing is near. Case does not matter.
+/// The name that `word` was probably meant to be: the only name that starts with it, or the one with the fewest letters
+/// missed, added, replaced or swapped with their neighbour, at most one in three. The first one in a tie; nothing where
+/// no name is near. Case is ignored.
 std::optional<std::string> NearestName(std::string_view word, const std::vector<std::string>& names);
 
 }  // namespace canonpose

@@ -10,8 +10,8 @@
 
 namespace canonpose {
 
-int ThreadsToUse(int asked) {
-  return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+int ThreadsToUse(int requested) {
+  return requested > 0 ? requested : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 void InParallel(int count, int threads, const std::function<void(int)>& work) {

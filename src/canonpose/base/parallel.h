@@ -5,11 +5,11 @@
 
 namespace canonpose {
 
-/// `asked`, or the number of the machine's cores where it is 0.
-int ThreadsToUse(int asked);
+/// `requested`, or the number of the machine's cores where it is 0.
+int ThreadsToUse(int requested);
 
-/// Calls work(0) .. work(count - 1), each once, on up to `threads` threads. After all have ended, throws what the first
-/// of those that failed (in order of number) threw.
+/// Calls work(0) .. work(count - 1), each once, on up to `threads` threads. When all have ended, rethrows the exception
+/// of the failed call with the lowest number, if any failed.
 void InParallel(int count, int threads, const std::function<void(int)>& work);
 
 }  // namespace canonpose

@@ -1,4 +1,4 @@
-// How far long work has come, sent to the caller (callbacks.h) as often as a person can read it.
+// How far long-running work has come, reported to the caller (callbacks.h) as often as a person can read it.
 #pragma once
 
 #include <chrono>
@@ -16,16 +16,17 @@ class Progress {
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds kPeriod{200};
 
-  /// `total` steps in all, of which `done` lie behind already (a resumed run): they do not count in the speed.
+  /// There are `total` steps, of which `done` were done before (by a run that is resumed) and do not count for the
+  /// speed.
   Progress(std::string label, long total, long done = 0, Clock::duration period = kPeriod);
-  /// Tells the caller that the work has ended.
+  /// Reports that the work has ended.
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Sends the state if it is time to; cheap enough to be called every step.
+  /// Reports the state if enough time has passed; cheap enough to be called at every step.
   void Update(long done, const std::string& detail);
-  /// Whether the next Update() will send something, so that a costly `detail` need not be made otherwise.
+  /// Whether the next Update() will report anything, so that an expensive `detail` need not be made otherwise.
   [[nodiscard]] bool IsDue() const;
 
  private:

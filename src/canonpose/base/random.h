@@ -9,8 +9,9 @@
 
 namespace canonpose {
 
-/// std::mt19937_64 (whose output the standard fixes) with our own distributions (whose output it does not). A generator
-/// is named by a seed and any number of stream numbers, so that "the permutation of epoch 7" needs no state to be kept.
+/// std::mt19937_64, whose output the standard defines, with our own distributions, since the output of the standard's
+/// is not defined. A generator is identified by a seed and any number of stream numbers, so that "the permutation of
+/// epoch 7" needs no stored state.
 class Rng {
  public:
   explicit Rng(std::uint64_t seed, std::initializer_list<std::uint64_t> stream = {});

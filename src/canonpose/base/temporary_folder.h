@@ -1,11 +1,16 @@
-// A folder for as long as it is needed.
+// Folders for as long as they are needed.
 #pragma once
 
 #include <filesystem>
+#include <system_error>
 
 namespace canonpose {
 
-/// A new folder below the system's place for temporary files, removed with all it holds.
+/// Creates a folder whose name is `prefix` followed by six characters that make it unique; only its owner may use it.
+/// Returns an empty path and sets `error` where that fails.
+std::filesystem::path MakeUniqueFolder(const std::filesystem::path& prefix, std::error_code& error);
+
+/// A new folder in the system's place for temporary files. The destructor removes it with everything in it.
 class TemporaryFolder {
  public:
   /// Throws Error(kBadInput) where none can be made.

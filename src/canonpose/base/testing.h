@@ -36,7 +36,7 @@ std::string ErrorOf(ErrorKind kind, Action&& action) {
   return "";
 }
 
-/// Collects the messages of this thread's work while it lives, one line each; warnings begin with "warning: ".
+/// Collects the messages of this thread's work during its lifetime, one line each; warnings begin with "warning: ".
 class CollectedMessages {
  public:
   CollectedMessages() : scope_(Collect()) {}
@@ -57,7 +57,7 @@ class CollectedMessages {
 
 }  // namespace canonpose::testing
 
-/// Skips the test, and says so, where the file beside the checkout is absent.
+/// Skips the test with a message where the file beside the checkout is missing.
 #define CANONPOSE_SKIP_WITHOUT_SHARED(name)                               \
   if (!std::filesystem::exists(::canonpose::testing::Shared(name))) {     \
     GTEST_SKIP() << ::canonpose::testing::Shared(name) << " is not here"; \

@@ -17,11 +17,11 @@
 #include "canonpose/base/log.h"
 #include "canonpose/cli/commands.h"
 #include "canonpose/cli/option_names.h"
-#include "canonpose/cli/evaluate_datasets.h"
+#include "canonpose/cli/with_torch.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/evaluate/archives.h"
 #include "canonpose/evaluate/report.h"
-#include "canonpose/lift/lifter.h"
+#include "canonpose/pipeline/evaluate_datasets.h"
 
 namespace canonpose {
 namespace {
@@ -43,14 +43,6 @@ struct EvaluateArguments {
   bool list_protocols = false;
   std::string device = "cpu";
 };
-
-Predictor ModelPoses(const PoseLifter& lifter) {
-  return {[&](const Dataset& dataset, const std::string& file) { lifter.RequireSkeleton(dataset.skeleton, file); },
-          [&](const Sequence& sequence, std::size_t camera) {
-            LiftedPoses poses = lifter.Lift(sequence.cameras[camera], sequence.frame_count);
-            return PredictedPoses{std::move(poses.pose_in_camera), std::move(poses.canonical)};
-          }};
-}
 
 DatasetEvaluation Job(const EvaluateArguments& arguments, FrameErrors* frame_errors) {
   DatasetEvaluation job;
@@ -105,12 +97,7 @@ EvaluationReport EvaluatePaths(const EvaluateArguments& arguments, FrameErrors* 
   }
   if (arguments.paths.size() < 2) ThrowInvalidArgument("give the data to evaluate {} on", first.string());
   job.files.erase(job.files.begin());
-  const PoseLifter lifter = PoseLifter::Open(first, arguments.device);
-  if (arguments.canonical && lifter.info().network != "canonical") {
-    ThrowInvalidArgument("--canonical is for models with a canonical pose: {} predicts poses in the camera alone",
-                         first.string());
-  }
-  return EvaluateDatasets(job, ModelPoses(lifter));
+  return EvaluateModel(first, arguments.device, job);
 }
 
 void RunEvaluate(const EvaluateArguments& arguments, const CLI::App& app) {
@@ -127,7 +114,7 @@ void RunEvaluate(const EvaluateArguments& arguments, const CLI::App& app) {
   for (const std::string& warning : report.warnings) LogWarning("{}", warning);
   if (wanted != nullptr) frame_errors.Write(arguments.frame_errors, report.all_joints);
   if (!arguments.json.empty()) WriteFileAtomically(arguments.json, ReportAsJson(report));
-  std::cout << SpellOptions(ReportAsTable(report), app) << std::flush;
+  std::cout << SpellOptions(ReportAsTable(report), app, IsTrainingOption) << std::flush;
 }
 
 std::string ProtocolHelp() {

@@ -12,8 +12,8 @@
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/testing.h"
 #include "canonpose/cli/program_testing.h"
+#include "canonpose/data/codecs/npz.h"
 #include "canonpose/data/dataset.h"
-#include "canonpose/data/npz.h"
 
 namespace canonpose {
 namespace {

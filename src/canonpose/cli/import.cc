@@ -13,10 +13,10 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/cli/commands.h"
+#include "canonpose/cli/with_torch.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/data/readers/benchmarks/benchmark.h"
 #include "canonpose/data/readers/formats.h"
-#include "canonpose/model/pose_morph.h"
 
 namespace canonpose {
 namespace {
@@ -132,7 +132,7 @@ void RunBenchmarkImport(const ImportArguments& arguments, const CLI::App& comman
   options.Validate();
   { const AtomicFile probe(arguments.output); }
   Dataset dataset = ImportBenchmark(options);
-  if (!arguments.morph.empty()) PoseMorph::Open(arguments.morph).Apply(dataset, arguments.output);
+  if (!arguments.morph.empty()) ApplyMorph(arguments.morph, dataset, arguments.output);
   WriteDataset(arguments.output, dataset);
   LogInfo("{}: {} sequences; {}, {}", arguments.output, dataset.sequences.size(),
           dataset.HasTruth() ? "with truth" : "without truth",
@@ -148,7 +148,7 @@ void RunImport(const ImportArguments& arguments, const CLI::App& command) {
   // A place that cannot be written is told before reading, which may take minutes.
   { const AtomicFile probe(arguments.output); }
   Dataset dataset = ImportDetections(options);
-  if (!arguments.morph.empty()) PoseMorph::Open(arguments.morph).Apply(dataset, arguments.output);
+  if (!arguments.morph.empty()) ApplyMorph(arguments.morph, dataset, arguments.output);
   WriteDataset(arguments.output, dataset);
   LogSummary(dataset, arguments.output);
 }

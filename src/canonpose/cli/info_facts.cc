@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/cli/with_torch.h"
+#include "canonpose/data/codecs/npz.h"
 #include "canonpose/data/dataset.h"
-#include "canonpose/data/npz.h"
 #include "canonpose/model/model_file.h"
-#include "canonpose/train/checkpoint.h"
 
 namespace canonpose {
 namespace {
@@ -142,9 +142,9 @@ Facts FactsOf(const fs::path& path) {
   if (IsModel(path)) {
     facts["kind"] = "model";
     AddModel(ReadModelInfo(path), path, facts);
-  } else if (IsCheckpoint(checkpoint)) {
+  } else if (const std::optional<ModelInfo> info = CheckpointInfo(checkpoint)) {
     facts["kind"] = "checkpoint";
-    AddModel(ReadCheckpoint(checkpoint).info, checkpoint, facts);
+    AddModel(*info, checkpoint, facts);
   } else if (path.extension() == ".npz") {
     facts["kind"] = "npz";
     AddArrays(path, facts);

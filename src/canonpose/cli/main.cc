@@ -17,7 +17,7 @@
 #include "canonpose/cli/option_names.h"
 #include "canonpose/cli/terminal.h"
 #include "canonpose/cli/usage.h"
-#include "canonpose/model/runtime.h"
+#include "canonpose/cli/with_torch.h"
 
 namespace canonpose {
 namespace {
@@ -54,7 +54,7 @@ int ReportUnexpected(const Terminal& terminal, const std::string& what) {
     terminal.Print(
         fmt::format("error: {} (this is a fault in canonpose: please report it with the command you ran)", line));
   }
-  return static_cast<int>(ErrorKind::kComputation);
+  return static_cast<int>(ExitCode::kComputation);
 }
 
 /// What was printed must have arrived, also on a full disk.
@@ -64,7 +64,7 @@ int FinishOutput(const Terminal& terminal) {
   terminal.Print(
       "error: standard output: expected a place that can be written, found none; free some space and run the command "
       "again");
-  return static_cast<int>(ErrorKind::kBadInput);
+  return static_cast<int>(ExitCode::kBadInput);
 }
 
 int Main(int argc, char** argv) {
@@ -76,7 +76,7 @@ int Main(int argc, char** argv) {
       "Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 the computation failed, 130 interrupted.\n"
       "canonpose help COMMAND tells more about a command.");
 
-  SetThreadCount(0);  // lift and evaluate; train sets its own
+  UseOneThread();
   AddImportCommand(app);
   AddSimulateCommand(app);
   AddTrainCommand(app);
@@ -87,7 +87,7 @@ int Main(int argc, char** argv) {
   AddInfoCommand(app);
   AddHelpCommands(app);
 
-  Terminal terminal([&app](const std::string& message) { return SpellOptions(message, app); });
+  Terminal terminal([&app](const std::string& message) { return SpellOptions(message, app, IsTrainingOption); });
   const CallbackScope callbacks(terminal.MakeCallbacks());
   try {
     std::vector<std::string> arguments = WithoutHelpWords({argv + std::min(argc, 1), argv + argc});
@@ -103,15 +103,15 @@ int Main(int argc, char** argv) {
       return FinishOutput(terminal);
     }
     terminal.Print("error: " + DescribeMistake(app, error));
-    return static_cast<int>(ErrorKind::kInvalidArgument);
+    return static_cast<int>(ExitCode::kUsage);
   } catch (const Error& error) {
-    terminal.Print("error: " + SpellOptions(error.what(), app));
+    terminal.Print("error: " + SpellOptions(error.what(), app, IsTrainingOption));
     return static_cast<int>(ExitCodeOf(error.kind()));
   } catch (const std::bad_alloc&) {
     return ReportUnexpected(terminal, "out of memory");
   } catch (const std::filesystem::filesystem_error& error) {
     terminal.Print(fmt::format("error: {}: {}; check the path", error.path1().string(), error.code().message()));
-    return static_cast<int>(ErrorKind::kBadInput);
+    return static_cast<int>(ExitCode::kBadInput);
   } catch (const std::exception& error) {
     return ReportUnexpected(terminal, error.what());
   }

@@ -4,8 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "canonpose/train/options.h"
-
 namespace canonpose {
 namespace {
 
@@ -14,7 +12,8 @@ bool HasOption(const CLI::App& command, const std::string& option) {
 }
 
 /// The option that sets a field, with its value if there is one.
-std::optional<std::string> OptionOf(const std::string& field, const std::string& value, const CLI::App& app) {
+std::optional<std::string> OptionOf(const std::string& field, const std::string& value, const CLI::App& app,
+                                    const std::function<bool(const std::string&)>& is_training_option) {
   std::string option = "--" + field;
   std::replace(option.begin(), option.end(), '_', '-');
   const std::string with_value = value.empty() ? option : option + " " + value;
@@ -27,13 +26,14 @@ std::optional<std::string> OptionOf(const std::string& field, const std::string&
                           [&](const CLI::App* command) { return command->get_name() == "train" && has_it(command); })) {
     return with_value;
   }
-  if (TrainOptions::Has(field)) return "--set " + (value.empty() ? field : field + "=" + value);
+  if (is_training_option(field)) return "--set " + (value.empty() ? field : field + "=" + value);
   return std::ranges::any_of(commands, has_it) ? std::optional(with_value) : std::nullopt;
 }
 
 }  // namespace
 
-std::string SpellOptions(const std::string& message, const CLI::App& app) {
+std::string SpellOptions(const std::string& message, const CLI::App& app,
+                         const std::function<bool(const std::string&)>& is_training_option) {
   std::string spelled;
   std::size_t begin = 0;
   while (true) {
@@ -44,7 +44,7 @@ std::string SpellOptions(const std::string& message, const CLI::App& app) {
     const std::size_t equals = std::min(word.find('='), word.size());
     const std::string value = equals < word.size() ? word.substr(equals + 1) : "";
     spelled += message.substr(begin, open - begin);
-    spelled += OptionOf(word.substr(0, equals), value, app).value_or("`" + word + "`");
+    spelled += OptionOf(word.substr(0, equals), value, app, is_training_option).value_or("`" + word + "`");
     begin = close + 1;
   }
 }

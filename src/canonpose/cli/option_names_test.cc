@@ -17,7 +17,7 @@ std::string Spelled(const std::string& message, const std::string& command) {
   train->add_flag("--epochs");
   app.add_subcommand("train-morph")->add_flag("--learning-rate");
   app.parse(std::vector<std::string>{command});
-  return SpellOptions(message, app);
+  return SpellOptions(message, app, [](const std::string& name) { return name == "learning_rate" || name == "ray"; });
 }
 
 TEST(SpellOptions, TakesTheOptionOfTheCommandGiven) {

@@ -130,7 +130,7 @@ void RunSimulate(const SimulateArguments& arguments) {
   if (arguments.output.empty() && !arguments.describe)
     ThrowInvalidArgument("-o: say where the dataset goes, or --describe");
   if (arguments.threads < 0) {
-    ThrowInvalidArgument("--threads: expected 0 or more, found {}", arguments.threads);
+    throw Error(ErrorKind::kBadInput, fmt::format("--threads: expected 0 or more, found {}", arguments.threads));
   }
   const Simulator simulator(ResolveOptions(arguments));
   std::optional<DatasetWriter> writer;

@@ -7,9 +7,9 @@
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
-#include "canonpose/cli/bootstrap.h"
 #include "canonpose/cli/commands.h"
 #include "canonpose/data/dataset.h"
+#include "canonpose/pipeline/bootstrap.h"
 #include "canonpose/solve/solver.h"
 
 namespace canonpose {
@@ -50,10 +50,11 @@ void AddSolveCommand(CLI::App& app) {
       ->required();
   command->add_option("--model", arguments->bootstrap.model, "Run or model file of a lifter to start from");
   command
-      ->add_option("--bootstrap", arguments->bootstrap.kind,
-                   "Without a model, start from: starter (a lifter trained on simulated people, which comes with the program), "
-                   "method (trained on the data itself), factorisation (no lifter: static cameras, any body), or auto: "
-                   "the starter where it knows the joints, otherwise factorisation or, for moving cameras, the method")
+      ->add_option(
+          "--bootstrap", arguments->bootstrap.kind,
+          "Without a model, start from: starter (a lifter trained on simulated people, which comes with the program), "
+          "method (trained on the data itself), factorisation (no lifter: static cameras, any body), or auto: "
+          "the starter where it knows the joints, otherwise factorisation or, for moving cameras, the method")
       ->check(CLI::IsMember({"auto", "starter", "method", "factorisation"}))
       ->capture_default_str();
   command
@@ -64,7 +65,8 @@ void AddSolveCommand(CLI::App& app) {
   command->add_option("--json", arguments->json, "Write the report to this file, too");
   command->add_option("--device", arguments->bootstrap.device, "cpu or cuda")->capture_default_str();
   command->add_option("--threads", arguments->options.threads, "Number of threads (default: all cores)");
-  command->add_option("--seed", arguments->bootstrap.seed, "Seed of the lifter that --bootstrap method trains")->capture_default_str();
+  command->add_option("--seed", arguments->bootstrap.seed, "Seed of the lifter that --bootstrap method trains")
+      ->capture_default_str();
   command->callback([arguments] { RunSolve(*arguments); });
 }
 

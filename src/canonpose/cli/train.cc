@@ -12,12 +12,12 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/progress.h"
-#include "canonpose/cli/best.h"
 #include "canonpose/cli/commands.h"
 #include "canonpose/cli/interrupt.h"
 #include "canonpose/data/choice.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/model/pose_morph.h"
+#include "canonpose/pipeline/solve_then_train.h"
 #include "canonpose/train/trainer.h"
 
 namespace canonpose {
@@ -103,7 +103,7 @@ void RunTrain(const TrainArguments& arguments) {
   }
 
   const StopOnSignal stop;
-  const TrainReport report = job.options.preset == "best" ? TrainBest(job) : Train(job);
+  const TrainReport report = job.options.preset == "best" ? SolveThenTrain(job) : Train(job);
   if (report.stopped) {
     LogInfo("stopped and saved; to go on, run the same command with --resume");
     throw CLI::RuntimeError(stop.exit_code());

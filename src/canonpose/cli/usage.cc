@@ -11,7 +11,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/nearest_name.h"
 #include "canonpose/base/version.h"
-#include "canonpose/model/runtime.h"
+#include "canonpose/cli/with_torch.h"
 
 namespace canonpose {
 namespace {
@@ -51,11 +51,7 @@ const CLI::App& Given(const CLI::App& app) {
 }
 
 nlohmann::json DescribeProgram() {
-  const LinearAlgebraSpeed speed = MeasureLinearAlgebra();
-  return {
-      {"version", ProgramVersion()},
-      {"linear_algebra",
-       {{"library", LinearAlgebraLibrary()}, {"gflops", speed.gflops}, {"openblas_gflops", speed.openblas_gflops}}}};
+  return {{"version", ProgramVersion()}, {"linear_algebra", nlohmann::json::parse(DescribeLinearAlgebra())}};
 }
 
 std::string HelpOf(const CLI::App& app, const CLI::App& command) {

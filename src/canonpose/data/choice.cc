@@ -15,7 +15,7 @@
 namespace canonpose {
 namespace {
 
-/// `what` is chosen, for the message.
+/// `what` says for the message what is being chosen.
 std::vector<std::string> SplitAtCommas(const std::string& text, const char* what) {
   std::vector<std::string> words(1);
   for (const char c : text) {
@@ -70,24 +70,25 @@ void KeepCameras(Dataset& dataset, const std::string& choice, const std::string&
     KeepFirst(dataset, *count, file);
     return;
   }
-  const std::vector<std::string> chosen = SplitAtCommas(choice, "cameras are chosen by name, A,B, or by their number");
+  const std::vector<std::string> chosen =
+      SplitAtCommas(choice, "cameras are chosen by name (A,B) or by how many there are to be");
   for (const std::string& name : chosen) {
     if (known.contains(name)) continue;
     ThrowBadInput({file, "", fmt::format("a camera {}", name), fmt::format("{}", fmt::join(known, ", ")),
-                   "choose cameras that are there"});
+                   "choose from these cameras"});
   }
   for (Sequence& sequence : dataset.sequences) KeepCameras(sequence, chosen);
   std::erase_if(dataset.sequences, [](const Sequence& sequence) { return sequence.cameras.empty(); });
 }
 
 void KeepSubjects(Dataset& dataset, const std::string& choice, const std::string& file) {
-  const std::vector<std::string> chosen = SplitAtCommas(choice, "subjects are chosen by name, A,B");
+  const std::vector<std::string> chosen = SplitAtCommas(choice, "subjects are chosen by name (A,B)");
   std::set<std::string> known;
   for (const Sequence& sequence : dataset.sequences) known.insert(sequence.subject);
   for (const std::string& name : chosen) {
     if (std::ranges::any_of(known, [&](const std::string& one) { return SameName(one, name); })) continue;
     ThrowBadInput({file, "", fmt::format("a subject {}", name), fmt::format("{}", fmt::join(known, ", ")),
-                   "choose subjects that are there"});
+                   "choose from these subjects"});
   }
   std::erase_if(dataset.sequences, [&](const Sequence& sequence) {
     return std::ranges::none_of(chosen, [&](const std::string& name) { return SameName(name, sequence.subject); });

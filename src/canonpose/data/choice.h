@@ -8,16 +8,17 @@
 
 namespace canonpose {
 
-/// Cuts a sequence down to the cameras of these names; names that it has not change nothing.
+/// Keeps only the cameras of these names in a sequence; names of other cameras have no effect.
 void KeepCameras(Sequence& sequence, const std::vector<std::string>& names);
 
-/// Cuts every sequence down to the cameras of `choice`: "A,B" by name, or a number N for the first N of each sequence
-/// (unless a camera has that name). Sequences without any disappear. Throws Error(kInvalidArgument) where it is no
-/// choice, Error(kBadInput) naming `file` where a camera is in no sequence, or a sequence has fewer than N.
+/// Keeps only the cameras of `choice` in every sequence: "A,B" by name, or a number N for the first N of each sequence
+/// (unless a camera has that name). Sequences left without cameras are removed. Throws Error(kInvalidArgument) where
+/// `choice` has no such form, Error(kBadInput) that names `file` where a camera is in no sequence, or a sequence has
+/// fewer than N.
 void KeepCameras(Dataset& dataset, const std::string& choice, const std::string& file);
 
-/// Cuts a dataset down to the sequences of the subjects "A,B"; case does not matter. Throws Error(kInvalidArgument)
-/// where it is no choice, Error(kBadInput) naming `file` where one is not there.
+/// Keeps only the sequences of the subjects "A,B", ignoring case. Throws Error(kInvalidArgument) where `choice` has no
+/// such form, Error(kBadInput) that names `file` where a subject is missing.
 void KeepSubjects(Dataset& dataset, const std::string& choice, const std::string& file);
 
 }  // namespace canonpose

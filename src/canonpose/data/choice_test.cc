@@ -43,7 +43,7 @@ TEST(KeepCameras, TakesNamesOrANumber) {
   EXPECT_THAT(NamesAfter("3", 0), ElementsAre("3"));
 }
 
-TEST(KeepCameras, RefusesWhatIsNotThere) {
+TEST(KeepCameras, RefusesUnknownCameras) {
   Dataset dataset = TwoSequences();
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { KeepCameras(dataset, "front", "data.h5"); }),
               HasSubstr("back, left, right"));

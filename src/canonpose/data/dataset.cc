@@ -26,7 +26,7 @@ bool AnyView(const Dataset& dataset, Predicate predicate) {
   return false;
 }
 
-/// NaNs of other makers may have other bits; the fingerprint must not see that.
+/// Other programs may write NaNs with other bits; the fingerprint must not depend on that.
 void AddValues(Fingerprint& fingerprint, const std::vector<float>& values) {
   for (const float value : values) {
     const float canonical = std::isnan(value) ? std::numeric_limits<float>::quiet_NaN() : value;
@@ -38,7 +38,7 @@ void AddInts(Fingerprint& fingerprint, const std::vector<int>& values) {
   fingerprint.Add(values.data(), values.size() * sizeof(int));
 }
 
-/// Keeps rows `first` to `last` of an array with one row a frame.
+/// Keeps rows `first` to `last` of an array with one row per frame.
 template <typename T>
 void KeepRows(std::vector<T>& values, int frame_count, int first, int last) {
   if (values.empty()) return;
@@ -94,8 +94,7 @@ FrameRange FrameRange::Parse(const std::string& text) {
     last = dash + 1 == text.size() ? std::optional<int>(INT32_MAX) : ParseFrame(text.substr(dash + 1));
   }
   if (!first || !last || *last < *first) {
-    ThrowInvalidArgument("frames are given as A-B, A- or A, counted from 0, the last not before the first; found '{}'",
-                         text);
+    ThrowInvalidArgument("frames are given as A-B, A- or A, counted from 0, with A not after B; found '{}'", text);
   }
   return {*first, *last};
 }
@@ -126,7 +125,7 @@ void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& fi
   std::erase_if(dataset.sequences, [](const Sequence& sequence) { return sequence.frame_count == 0; });
   if (dataset.sequences.empty()) {
     ThrowBadInput({file, "", fmt::format("frames from {} on", range.first),
-                   fmt::format("sequences of {} frames at most", longest), "choose frames that are there"});
+                   fmt::format("sequences of {} frames at most", longest), "choose frames that exist"});
   }
 }
 

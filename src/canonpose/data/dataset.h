@@ -1,4 +1,4 @@
-// The dataset in memory: synchronised 2D keypoints of one person from several cameras, and what is known beside them.
+// The dataset in memory: synchronised 2D keypoints of one person from several cameras, and what else is known.
 #pragma once
 
 #include <array>
@@ -20,16 +20,16 @@ struct CameraView {
   std::vector<float> keypoints;         ///< (T, J, 2) pixels, origin top left; NaN where not detected
   std::vector<float> confidence;        ///< (T, J) 0..1; 0 where not detected
   std::vector<float> truth;   ///< (T, J, 3) mm, camera frame; empty where the file has none, NaN where unknown
-  std::vector<float> solved;  ///< (T, J, 3) camera frame, any one scale; empty or NaN likewise
-  /// (T, J) how far off a solved joint may be: the standard deviation along the worst direction, in the unit of
+  std::vector<float> solved;  ///< (T, J, 3) camera frame, in one arbitrary unit; empty or NaN likewise
+  /// (T, J) uncertainty of a solved joint: the standard deviation in the most uncertain direction, in the unit of
   /// `solved`; empty, or NaN where not solved.
   std::vector<float> solved_uncertainty;
-  /// The cameras that `solve` found, one or T as in `calibration`; translations in the unit of `solved`, not
-  /// millimetres: `solved` in camera c is R_c x_in_world + t_c, and its pixels are those of K. Empty where there are
+  /// The cameras that `solve` found, one or T as in `calibration`. Their translations are in the unit of `solved`, not
+  /// millimetres: `solved` in camera c is R_c x_in_world + t_c, and K projects it to pixels. Empty where there are
   /// none.
   std::vector<Camera> solved_calibration;
-  /// Calibration, for evaluation only: one camera, or T of them where it moves, in millimetres; empty where there is
-  /// none.
+  /// Calibration, for evaluation only: one camera, or T of them for a moving camera, in millimetres; empty where there
+  /// is none.
   std::vector<Camera> calibration;
 
   [[nodiscard]] const Camera& CalibrationAt(int frame) const {
@@ -50,14 +50,14 @@ struct Sequence {
   std::string capture;  ///< sequences with the same capture share their cameras; never empty
   int frame_count = 0;
   std::vector<CameraView> cameras;
-  bool capture_is_named = true;        ///< false where the file names none: then no other file's cameras are meant
-  std::vector<std::string> actions{};  ///< what the person does, for protocols that tell by it; empty where unknown
+  bool capture_is_named = true;        ///< false where the file names none; then no other file has the same cameras
+  std::vector<std::string> actions{};  ///< what the person does, for protocols that report it; empty where unknown
   std::vector<std::uint8_t> action{};  ///< (T) index into `actions`; empty: all frames are the first one
-  std::string truth_kind{};            ///< which of a benchmark's annotations `truth` is, "univ_annot3"; may be empty
+  std::string truth_kind{};  ///< which of a benchmark's annotations `truth` comes from, "univ_annot3"; may be empty
 };
 
-/// Where the keypoints came from, so that a model can read the same kind of file later. Empty for files of other
-/// makers.
+/// Where the keypoints came from, so that a model can read the same kind of file later. Empty for datasets that were
+/// not written by this program.
 struct DatasetSource {
   std::string format;                ///< "openpose", ...
   std::string layout;                ///< the detector's layout, "body_25b"
@@ -73,11 +73,11 @@ struct Dataset {
   [[nodiscard]] bool HasTruth() const;
   [[nodiscard]] bool HasSolved() const;
   [[nodiscard]] bool HasCalibration() const;
-  /// A hash of skeleton, keypoints and confidences: what training without labels sees.
+  /// A hash of skeleton, keypoints and confidences, which is all that training without labels uses.
   [[nodiscard]] std::uint64_t Fingerprint() const;
 };
 
-/// First and last frame, both included, counted from 0.
+/// First and last frame, both inclusive, counted from 0.
 struct FrameRange {
   int first = 0;
   int last = INT32_MAX;
@@ -85,18 +85,18 @@ struct FrameRange {
   static FrameRange Parse(const std::string& text);
 };
 
-/// Cuts every sequence down to the frames of `range`; sequences without any disappear. Throws Error(kBadInput) where
-/// nothing is left.
+/// Keeps only the frames of `range` in every sequence; sequences left without frames are removed. Throws
+/// Error(kBadInput) where no sequence remains.
 void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& file);
 
-/// Reads a dataset file of version 1 (layout in README.md), written by us or by anyone with h5py. Throws
-/// Error(kBadInput).
+/// Reads a dataset file of version 1 (layout in README.md), whether written by this program or by others with h5py.
+/// Throws Error(kBadInput).
 Dataset ReadDataset(const std::filesystem::path& path);
 
 /// Whether `path` is an HDF5 file that says it is a dataset.
 bool IsDatasetFile(const std::filesystem::path& path);
 
-/// Writes a dataset file sequence by sequence, so that a long one need not be in memory at once.
+/// Writes a dataset file sequence by sequence, so that a large one need not be in memory as a whole.
 class DatasetWriter {
  public:
   /// Throws Error(kBadInput) where `path` cannot be written.

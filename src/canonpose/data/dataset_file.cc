@@ -1,17 +1,17 @@
-// The dataset file: groups, attributes and arrays as README.md lays them out.
+// The dataset file: groups, attributes and arrays as README.md describes them.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
 #include <utility>
 
-#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/hdf5.h"
 #include "canonpose/data/dataset.h"
-#include "canonpose/data/skeleton_file.h"
+#include "canonpose/scene/camera_file.h"
+#include "canonpose/scene/skeleton_file.h"
 
 namespace canonpose {
 namespace {
@@ -20,7 +20,7 @@ constexpr const char* kFormat = "canonpose-dataset";
 constexpr std::int64_t kVersion = 1;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-/// Where in which file the values that are being checked stand, for messages.
+/// The file and the place in it of the values being checked, for messages.
 struct Place {
   std::string file;
   std::string group;
@@ -33,7 +33,7 @@ struct Place {
   }
 };
 
-/// Checks keypoints and confidences; a joint that one of them calls missing becomes missing in both.
+/// Checks keypoints and confidences; a joint that is missing in one becomes missing in both.
 void CheckKeypoints(CameraView& view, const Place& place) {
   const std::size_t joints = place.skeleton->joints.size();
   for (std::size_t i = 0; i < view.confidence.size(); ++i) {
@@ -84,80 +84,7 @@ std::vector<float> ReadArray(const h5::Group& group, const std::string& name, co
   return group.Read<float>(name).values;
 }
 
-/// One matrix or T of them, each of `size` values; `tail` is the shape of one.
-std::vector<double> ReadCalibrationArray(const h5::Group& group, const std::string& name,
-                                         const std::vector<std::size_t>& tail, int frame_count, std::size_t* rows) {
-  h5::Array<double> array = group.Read<double>(name);
-  std::vector<std::size_t> moving = tail;
-  moving.insert(moving.begin(), static_cast<std::size_t>(frame_count));
-  if (array.shape != tail && array.shape != moving) {
-    group.Fail(name, fmt::format("shape {} or {}", h5::FormatShape(tail), h5::FormatShape(moving)),
-               h5::FormatShape(array.shape), "");
-  }
-  for (const double value : array.values) {
-    if (!std::isfinite(value)) group.Fail(name, "finite numbers", fmt::format("{}", value), "");
-  }
-  *rows = array.shape == tail ? 1 : moving.front();
-  return std::move(array.values);
-}
-
-void CheckCamera(const h5::Group& group, const Camera& camera, const std::string& prefix) {
-  const Eigen::Matrix3d& K = camera.K;
-  if (!(K(0, 0) > 0.0) || !(K(1, 1) > 0.0) || K(2, 2) != 1.0 || K(1, 0) != 0.0 || K(2, 0) != 0.0 || K(2, 1) != 0.0) {
-    group.Fail(prefix + "K", "[[fx, s, cx], [0, fy, cy], [0, 0, 1]] with positive focal lengths in pixels",
-               "something else", "");
-  }
-  constexpr double kTolerance = 1e-3;
-  const Eigen::Matrix3d& R = camera.camera_from_world_rotation;
-  const double error = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (error > kTolerance || R.determinant() < 0.0) {
-    group.Fail(
-        prefix + "R", "a rotation matrix, x_camera = R * x_world + t",
-        error > kTolerance ? fmt::format("rows that are not orthonormal (off by {:.2g})", error) : "a reflection", "");
-  }
-}
-
-/// `prefix` tells the cameras that were solved, "solved_", from those that were calibrated, "".
-std::vector<Camera> ReadCalibration(const h5::Group& group, int frame_count, const std::string& prefix) {
-  const std::string K_name = prefix + "K";
-  const std::string R_name = prefix + "R";
-  const std::string t_name = prefix + "t";
-  const std::string distortion_name = prefix + "distortion";
-  const bool any = group.Has(K_name) || group.Has(R_name) || group.Has(t_name) || group.Has(distortion_name);
-  if (!any) return {};
-  for (const std::string& name : {K_name, R_name, t_name}) {
-    if (group.Has(name)) continue;
-    group.Fail(name, fmt::format("{}, {} and {} together", K_name, R_name, t_name), "nothing",
-               "write all of the calibration or none");
-  }
-  std::size_t k_rows = 1;
-  std::size_t r_rows = 1;
-  std::size_t t_rows = 1;
-  std::size_t distortion_rows = 1;
-  const std::vector<double> K = ReadCalibrationArray(group, K_name, {3, 3}, frame_count, &k_rows);
-  const std::vector<double> R = ReadCalibrationArray(group, R_name, {3, 3}, frame_count, &r_rows);
-  const std::vector<double> t = ReadCalibrationArray(group, t_name, {3}, frame_count, &t_rows);
-  std::vector<double> distortion(4, 0.0);
-  std::size_t coefficients = 4;
-  if (group.Has(distortion_name)) {
-    const std::vector<std::size_t> shape = group.Shape(distortion_name);
-    if (!shape.empty() && shape.back() == 5) coefficients = 5;
-    distortion = ReadCalibrationArray(group, distortion_name, {coefficients}, frame_count, &distortion_rows);
-  }
-  using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  std::vector<Camera> cameras(std::max({k_rows, r_rows, t_rows, distortion_rows}));
-  const auto row = [](std::size_t rows, std::size_t i) { return rows == 1 ? 0 : i; };
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    cameras[i].K = Eigen::Map<const RowMajor>(&K[9 * row(k_rows, i)]);
-    cameras[i].camera_from_world_rotation = Eigen::Map<const RowMajor>(&R[9 * row(r_rows, i)]);
-    cameras[i].camera_from_world_translation = Eigen::Map<const Eigen::Vector3d>(&t[3 * row(t_rows, i)]);
-    std::copy_n(&distortion[coefficients * row(distortion_rows, i)], coefficients, cameras[i].distortion.begin());
-    CheckCamera(group, cameras[i], prefix);
-  }
-  return cameras;
-}
-
-/// frame_count is that of the cameras before, -1 for the first.
+/// frame_count is that of the previous cameras, -1 for the first.
 CameraView ReadCamera(const h5::Group& group, const std::string& name, const Skeleton& skeleton, int* frame_count) {
   CameraView view;
   view.name = name;
@@ -177,9 +104,9 @@ CameraView ReadCamera(const h5::Group& group, const std::string& name, const Ske
   }
   const auto frames = static_cast<int>(shape[0]);
   if (*frame_count >= 0 && frames != *frame_count) {
-    group.Fail("keypoints", fmt::format("{} frames as in the cameras before it", *frame_count),
+    group.Fail("keypoints", fmt::format("{} frames as in the previous cameras", *frame_count),
                fmt::format("{}", frames),
-               "cameras of a sequence are synchronised: cut them to the same frames, NaN where one saw nothing");
+               "cameras of a sequence are synchronised: give all the same frames, with NaN where a camera saw nothing");
   }
   *frame_count = frames;
   view.keypoints = ReadArray(group, "keypoints", shape, "");
@@ -195,8 +122,8 @@ CameraView ReadCamera(const h5::Group& group, const std::string& name, const Ske
   if (group.Has("solved_uncertainty")) {
     view.solved_uncertainty = ReadArray(group, "solved_uncertainty", {shape[0], joints}, "frames, joints");
   }
-  view.calibration = ReadCalibration(group, frames, "");
-  view.solved_calibration = ReadCalibration(group, frames, "solved_");
+  view.calibration = ReadCameras(group, frames);
+  view.solved_calibration = ReadCameras(group, frames, "solved_");
   return view;
 }
 
@@ -213,7 +140,7 @@ void ReadActions(const h5::Group& group, Sequence& sequence) {
   }
   for (const std::int64_t action : group.Read<std::int64_t>("action").values) {
     if (action < 0 || action >= std::ssize(sequence.actions)) {
-      group.Fail("action", fmt::format("places in the attribute actions, which has {}", sequence.actions.size()),
+      group.Fail("action", fmt::format("indices into the attribute actions, which has {}", sequence.actions.size()),
                  fmt::format("{}", action), "");
     }
     sequence.action.push_back(static_cast<std::uint8_t>(action));
@@ -226,11 +153,11 @@ Sequence ReadSequence(const h5::Group& group, const std::string& name, const Ske
   sequence.subject = group.GetString("subject");
   if (group.HasAttribute("fps")) sequence.fps = group.GetDouble("fps");
   if (!std::isfinite(sequence.fps) || sequence.fps < 0.0) {
-    group.Fail("attribute fps", "frames a second, 0 where unknown", fmt::format("{}", sequence.fps), "");
+    group.Fail("attribute fps", "frames per second, 0 where unknown", fmt::format("{}", sequence.fps), "");
   }
   const std::int64_t is_static = group.GetInt("static_cameras");
   if (is_static != 0 && is_static != 1) {
-    group.Fail("attribute static_cameras", "1 where the cameras stand still, otherwise 0", fmt::format("{}", is_static),
+    group.Fail("attribute static_cameras", "1 where the cameras are static, otherwise 0", fmt::format("{}", is_static),
                "");
   }
   sequence.static_cameras = is_static == 1;
@@ -260,8 +187,9 @@ void CheckFormat(const h5::Group& root) {
   const std::int64_t version = root.GetInt("version");
   if (version != kVersion) {
     root.Fail("attribute version", fmt::format("{}", kVersion), fmt::format("{}", version),
-              version > kVersion ? "the file is of a newer canonpose: update this one, or make the file again with it"
-                                 : "make the file again");
+              version > kVersion
+                  ? "the file is from a newer version of canonpose: update this one, or create the file again with it"
+                  : "create the file again");
   }
 }
 
@@ -276,7 +204,7 @@ DatasetSource ReadSource(const h5::Group& root, const h5::Group& skeleton_group,
   if (skeleton_group.HasAttribute("mapping")) {
     source.mapping = skeleton_group.GetStrings("mapping");
     if (source.mapping.size() != skeleton.joints.size()) {
-      skeleton_group.Fail("attribute mapping", fmt::format("{} texts, one a joint", skeleton.joints.size()),
+      skeleton_group.Fail("attribute mapping", fmt::format("{} strings, one per joint", skeleton.joints.size()),
                           fmt::format("{}", source.mapping.size()), "");
     }
   }
@@ -291,48 +219,7 @@ void Write(h5::Group& group, const std::string& name, const std::vector<T>& valu
   group.Write<T>(name, std::span<const T>(values), shape);
 }
 
-/// The shape of one value a frame, or of a single one where all frames share it.
-std::vector<std::size_t> WithRows(std::size_t rows, std::vector<std::size_t> tail) {
-  if (rows > 1) tail.insert(tail.begin(), rows);
-  return tail;
-}
-
-void WriteCalibration(h5::Group& group, const std::vector<Camera>& cameras, const std::string& prefix) {
-  if (cameras.empty()) return;
-  std::vector<double> K;
-  std::vector<double> R;
-  std::vector<double> t;
-  std::vector<double> distortion;
-  bool same_K = true;
-  bool same_distortion = true;
-  // Four, as readers of the first files know them, unless there is a fifth.
-  const bool has_k3 =
-      std::any_of(cameras.begin(), cameras.end(), [](const Camera& c) { return c.distortion[4] != 0.0; });
-  const std::size_t coefficients = has_k3 ? 5 : 4;
-  for (const Camera& camera : cameras) {
-    for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c < 3; ++c) {
-        K.push_back(camera.K(r, c));
-        R.push_back(camera.camera_from_world_rotation(r, c));
-      }
-      t.push_back(camera.camera_from_world_translation[r]);
-    }
-    distortion.insert(distortion.end(), camera.distortion.begin(),
-                      camera.distortion.begin() + static_cast<std::ptrdiff_t>(coefficients));
-    same_K &= camera.K == cameras.front().K;
-    same_distortion &= camera.distortion == cameras.front().distortion;
-  }
-  const std::size_t K_rows = same_K ? 1 : cameras.size();
-  const std::size_t distortion_rows = same_distortion ? 1 : cameras.size();
-  K.resize(9 * K_rows);
-  distortion.resize(coefficients * distortion_rows);
-  Write(group, prefix + "K", K, WithRows(K_rows, {3, 3}));
-  Write(group, prefix + "R", R, WithRows(cameras.size(), {3, 3}));
-  Write(group, prefix + "t", t, WithRows(cameras.size(), {3}));
-  Write(group, prefix + "distortion", distortion, WithRows(distortion_rows, {coefficients}));
-}
-
-/// Names become groups of the file, so some cannot be used.
+/// Names become names of groups in the file, so some cannot be used.
 void CheckName(const std::filesystem::path& path, const std::string& name, const std::string& what) {
   if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos) {
     ThrowBadInput(
@@ -365,7 +252,7 @@ bool IsDatasetFile(const std::filesystem::path& path) {
   try {
     return file.root().GetString("format") == kFormat;
   } catch (const Error&) {
-    return false;  // an attribute of that name which is no text belongs to someone else's format
+    return false;  // an attribute of that name which is not text belongs to another format
   }
 }
 
@@ -396,7 +283,7 @@ DatasetWriter::DatasetWriter(const std::filesystem::path& path, const Skeleton& 
 DatasetWriter::~DatasetWriter() = default;
 
 void DatasetWriter::Add(const Sequence& sequence) {
-  CANONPOSE_CHECK(state_ != nullptr, "the file is committed already");
+  CANONPOSE_CHECK(state_ != nullptr, "the file has already been committed");
   CheckName(state_->path, sequence.name, "sequence");
   if (state_->sequences.Has(sequence.name)) {
     ThrowBadInput({state_->path.string(), "", "sequences of different names",
@@ -406,7 +293,7 @@ void DatasetWriter::Add(const Sequence& sequence) {
   group.SetString("subject", sequence.subject);
   group.SetDouble("fps", sequence.fps);
   group.SetInt("static_cameras", sequence.static_cameras ? 1 : 0);
-  // A default written out would read as a name that other files can share.
+  // A default that was written would be read as a name, which other files may share.
   if (sequence.capture_is_named && !sequence.capture.empty()) group.SetString("capture", sequence.capture);
   if (!sequence.actions.empty()) group.SetStrings("actions", sequence.actions);
   if (!sequence.truth_kind.empty()) group.SetString("truth_kind", sequence.truth_kind);
@@ -444,14 +331,14 @@ void DatasetWriter::Add(const Sequence& sequence) {
                       view.solved_uncertainty.size(), frames);
       Write(camera, "solved_uncertainty", view.solved_uncertainty, {frames, joints});
     }
-    WriteCalibration(camera, view.calibration, "");
-    WriteCalibration(camera, view.solved_calibration, "solved_");
+    WriteCameras(camera, view.calibration);
+    WriteCameras(camera, view.solved_calibration, "solved_");
   }
 }
 
 void DatasetWriter::Commit() {
-  CANONPOSE_CHECK(state_ != nullptr, "the file is committed already");
-  // The file closes only when no group of it is open any more.
+  CANONPOSE_CHECK(state_ != nullptr, "the file has already been committed");
+  // The file is closed only once none of its groups is open.
   state_->sequences = h5::Group();
   state_->file.Commit();
   state_.reset();

@@ -134,7 +134,7 @@ TEST(DatasetTest, SameDatasetSameBits) {
   EXPECT_EQ(ReadFile(folder / "a.h5"), ReadFile(folder / "b.h5"));
 }
 
-TEST(DatasetTest, KnowsWhatItHolds) {
+TEST(DatasetTest, ReportsWhatItContains) {
   Dataset dataset = Sample();
   EXPECT_TRUE(dataset.HasTruth());
   EXPECT_TRUE(dataset.HasSolved());
@@ -151,7 +151,7 @@ TEST(DatasetTest, KnowsWhatItHolds) {
   EXPECT_FALSE(dataset.HasCalibration());
 }
 
-TEST(DatasetTest, FingerprintSeesWhatTrainingSees) {
+TEST(DatasetTest, FingerprintCoversWhatTrainingUses) {
   const std::uint64_t before = Sample().Fingerprint();
   Dataset dataset = Sample();
   dataset.sequences[0].cameras[0].keypoints[0] += 1.0F;
@@ -364,7 +364,7 @@ TEST(DatasetFileTest, ErrorsSayWhereAndWhat) {
   EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.R = {1, 0, 0, 0, 1, 0, 0, 0, -1}; }), HasSubstr("reflection"));
 }
 
-TEST(DatasetFileTest, OtherFilesAreNoDatasets) {
+TEST(DatasetFileTest, OtherFilesAreRefused) {
   const TemporaryFolder folder;
   WriteFileAtomically(folder / "a.txt", "hello");
   EXPECT_FALSE(IsDatasetFile(folder / "a.txt"));

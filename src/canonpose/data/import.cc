@@ -27,15 +27,15 @@ namespace fs = std::filesystem;
 using ImageSize = std::array<int, 2>;
 using Calibration = std::map<std::string, CalibratedCamera>;
 
-/// Coordinates that never leave this are fractions of the image, not pixels.
+/// Coordinates that never exceed this are fractions of the image, not pixels.
 constexpr float kLargestFraction = 2.0F;
-/// A keypoint this share of the image's size outside is not just beside the border.
+/// A keypoint outside the image by this fraction of its size is not just beyond its border.
 constexpr float kFarOutside = 0.1F;
-/// So many keypoints far outside mean that the size is wrong.
+/// If this fraction of the keypoints is far outside, the image size is wrong.
 constexpr double kManyOutside = 0.02;
-/// No detector's confidences go beyond this; AlphaPose's, maxima of heat maps, reach about 6.
+/// No detector's confidences exceed this; AlphaPose's, which are maxima of heat maps, reach about 6.
 constexpr float kLargestConfidence = 100.0F;
-/// Nor does one exceed both this and so many times what 99 % of them stay below.
+/// Nor does one exceed both this and kOutlierFactor times the value that 99 % of them stay below.
 constexpr float kSuspiciousConfidence = 10.0F;
 constexpr float kOutlierFactor = 10.0F;
 
@@ -54,12 +54,12 @@ void CheckCameraNamesAndPaths(const std::vector<CameraInput>& cameras) {
     for (std::size_t k = 0; k < i; ++k) {
       if (cameras[k].name == camera.name) {
         ThrowBadInput({camera.path.string(), "", "another name for each camera",
-                       fmt::format("camera {} at {} too", camera.name, cameras[k].path.string()),
+                       fmt::format("camera {} also at {}", camera.name, cameras[k].path.string()),
                        "name them with `camera` NAME=PATH"});
       }
       if (SamePath(cameras[k].path, camera.path)) {
         ThrowBadInput({camera.path.string(), "", "another folder or file for each camera",
-                       fmt::format("that of camera {} again for camera {}", cameras[k].name, camera.name),
+                       fmt::format("the same for cameras {} and {}", cameras[k].name, camera.name),
                        "give every camera once, with its own detections"});
       }
     }
@@ -90,12 +90,12 @@ std::vector<CameraInput> FindCameras(const ImportOptions& options, const Detecti
   if (cameras.size() < 2) {
     ThrowBadInput({cameras.empty() ? "" : cameras.front().path.string(), "", "at least two cameras",
                    cameras.empty() ? "none" : "one, " + cameras.front().name,
-                   "give the paths of all cameras that saw the person at the same time"});
+                   "give the paths of all cameras that filmed the person at the same time"});
   }
   return cameras;
 }
 
-/// Options that name a camera which is not there are typing errors.
+/// An option that names a camera which does not exist is a typing error.
 template <typename Value>
 void CheckNamesExist(const std::map<std::string, Value>& by_camera, const std::vector<CameraInput>& cameras,
                      const char* option) {
@@ -159,8 +159,8 @@ void WarnOfKeypointsOutside(const KeypointClip& clip, const ImageSize& size) {
       size[0] != size[1] ? ", width comes first" : "");
 }
 
-/// Confidences are divided by the largest, so one wild value would make all others next to nothing.
-void RefuseWildConfidences(const DetectedCamera& camera) {
+/// Confidences are divided by the largest, so one absurd value would make all others nearly zero.
+void RefuseAbsurdConfidences(const DetectedCamera& camera) {
   std::vector<float> seen;
   float largest = 0.0F;
   std::string place;
@@ -181,14 +181,14 @@ void RefuseWildConfidences(const DetectedCamera& camera) {
   std::nth_element(seen.begin(), rank, seen.end());
   if (largest <= kLargestConfidence && largest <= kOutlierFactor * *rank) return;
   ThrowBadInput({camera.path, place,
-                 fmt::format("a confidence such as the others, 99 % of which are up to {:.3g}, and never above {:.0f}",
+                 fmt::format("a confidence like the others, 99 % of which are at most {:.3g}, and never above {:.0f}",
                              *rank, kLargestConfidence),
                  fmt::format("{:.6g}", largest), "correct or remove that detection, or run the detector again"});
 }
 
 KeypointClip ReadClip(const DetectionFormat& format, const CameraInput& input, int person) {
   const DetectedCamera camera = format.read(input);
-  RefuseWildConfidences(camera);
+  RefuseAbsurdConfidences(camera);
   KeypointClip clip = FollowPerson(camera, person);
   RefuseFractions(clip);
   return clip;
@@ -213,7 +213,7 @@ void CheckSameCounts(const std::vector<KeypointClip>& clips) {
   for (const KeypointClip& clip : clips) {
     if (clip.frame_count() == first.frame_count()) continue;
     ThrowBadInput({clip.path, "", "as many frames from every camera", RangeOf(first) + ", " + RangeOf(clip),
-                   "use `align` frame-number if equal numbers are equal times, or cut the clips alike"});
+                   "use `align` frame-number if equal numbers mean equal times, or cut the clips to the same frames"});
   }
   for (const KeypointClip& clip : clips) {
     if (clip.frame_numbers == first.frame_numbers) continue;
@@ -223,7 +223,7 @@ void CheckSameCounts(const std::vector<KeypointClip>& clips) {
   }
 }
 
-/// The clip with its frames at the places of `numbers`, which has all of them.
+/// The clip with its frames moved to the places of their numbers in `numbers`, which has all of them.
 KeypointClip Spread(const KeypointClip& clip, const std::vector<std::int64_t>& numbers) {
   const auto count = static_cast<std::size_t>(clip.keypoint_count);
   KeypointClip spread = clip;
@@ -253,9 +253,9 @@ void AlignByNumber(std::vector<KeypointClip>& clips) {
     has_common = has_common || count > 1;
   }
   if (!has_common) {
-    ThrowBadInput({clips[1].path, "", "frame numbers that another camera has too",
+    ThrowBadInput({clips[1].path, "", "frame numbers that another camera also has",
                    RangeOf(clips[0]) + ", " + RangeOf(clips[1]),
-                   "leave `align` frame-number out if the frames belong together in order"});
+                   "leave out `align` frame-number if the frames match in order"});
   }
   for (KeypointClip& clip : clips) {
     const std::size_t missing = numbers.size() - clip.frame_numbers.size();
@@ -264,7 +264,7 @@ void AlignByNumber(std::vector<KeypointClip>& clips) {
   }
 }
 
-/// One camera's detections given twice would teach that two views agree in everything. The clips are aligned.
+/// A camera given twice would look like two views that agree in everything. The clips are aligned.
 void RefuseIdenticalClips(const std::vector<KeypointClip>& clips) {
   const auto is_same = [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); };
   for (std::size_t i = 0; i < clips.size(); ++i) {
@@ -272,7 +272,7 @@ void RefuseIdenticalClips(const std::vector<KeypointClip>& clips) {
       if (!std::equal(clips[i].keypoints.begin(), clips[i].keypoints.end(), clips[k].keypoints.begin(),
                       clips[k].keypoints.end(), is_same))
         continue;
-      ThrowBadInput({clips[i].path, "", fmt::format("keypoints of camera {}'s own", clips[i].name),
+      ThrowBadInput({clips[i].path, "", fmt::format("camera {} to have its own keypoints", clips[i].name),
                      fmt::format("those of camera {} ({}) in every frame", clips[k].name, clips[k].path),
                      "give every camera once, with its own detections"});
     }
@@ -309,7 +309,8 @@ LayoutMapping MappingTo(const Skeleton& layout, const std::string& skeleton) {
   if (skeleton == "native") return MapLayout(layout, layout);
   const Skeleton* target = FindSkeleton(skeleton);
   if (target == nullptr)
-    ThrowInvalidArgument("there is no skeleton \"{}\"; there are {} and native", skeleton, BuiltinSkeletonNames());
+    ThrowInvalidArgument("there is no skeleton \"{}\"; the skeletons are {} and native", skeleton,
+                         BuiltinSkeletonNames());
   return MapLayout(layout, *target);
 }
 
@@ -332,7 +333,8 @@ void ImportOptions::Validate() const {
     ThrowInvalidArgument("there is no layout \"{}\"; the layouts are {}", layout, BuiltinSkeletonNames());
   }
   if (skeleton != "native" && FindSkeleton(skeleton) == nullptr) {
-    ThrowInvalidArgument("there is no skeleton \"{}\"; there are {} and native", skeleton, BuiltinSkeletonNames());
+    ThrowInvalidArgument("there is no skeleton \"{}\"; the skeletons are {} and native", skeleton,
+                         BuiltinSkeletonNames());
   }
   if (person < 1) ThrowInvalidArgument("`person` counts from 1, not {}", person);
   for (const auto& [camera, number] : camera_person) {
@@ -340,7 +342,8 @@ void ImportOptions::Validate() const {
   }
   if (!std::isfinite(fps) || fps < 0.0) ThrowInvalidArgument("`fps` must be above 0, not {}", fps);
   if (name.empty() || name.front() == '.' || name.find('/') != std::string::npos) {
-    ThrowInvalidArgument("\"{}\" is no name for a sequence: it must not be empty, begin with '.' or hold '/'", name);
+    ThrowInvalidArgument(
+        "\"{}\" is not a valid name for a sequence: it must not be empty, begin with '.' or contain '/'", name);
   }
 }
 
@@ -350,7 +353,7 @@ Dataset ImportDetections(const ImportOptions& options) {
   const std::vector<CameraInput> cameras = FindCameras(options, format);
   CheckNamesExist(options.camera_person, cameras, "`person`");
   CheckNamesExist(options.camera_image_size, cameras, "`image_size`");
-  // What is cheap to check comes before what may take minutes to read.
+  // Cheap checks come before reading, which may take minutes.
   Calibration calibration;
   if (!options.calibration.empty()) calibration = ReadCalibration(options.calibration);
   std::vector<ImageSize> sizes;
@@ -370,7 +373,7 @@ Dataset ImportDetections(const ImportOptions& options) {
   RefuseIdenticalClips(clips);
   const LayoutMapping mapping = MappingTo(layout, options.skeleton);
   const double scale = ConfidenceScale(clips);
-  if (scale > 1.0) LogInfo("confidences reach {:.3g}; all are divided by that", scale);
+  if (scale > 1.0) LogInfo("confidences reach {:.3g}; all are divided by this value", scale);
 
   Dataset dataset;
   dataset.skeleton = mapping.target;
@@ -408,7 +411,7 @@ SingleCamera ReadSingleCamera(const fs::path& path, const SingleCameraOptions& o
   if (cameras.size() != 1) {
     ThrowBadInput({path.string(), "", options.camera.empty() ? "one camera" : "camera " + options.camera,
                    (is_one ? "the camera " : "the cameras ") + names,
-                   is_one ? "leave `camera` out, or give its name" : "choose one with `camera` NAME"});
+                   is_one ? "leave out `camera`, or give its name" : "choose one with `camera` NAME"});
   }
   std::vector<KeypointClip> clips{ReadClip(format, cameras.front(), options.person)};
   const Skeleton& layout = CheckLayout(clips, options.layout);
@@ -434,7 +437,7 @@ std::array<int, 2> ParseImageSize(const std::string& text) {
     const auto [after_height, height_error] = std::from_chars(after_width + 1, end, height);
     is_size = height_error == std::errc() && after_height == end && width > 0 && height > 0;
   }
-  if (!is_size) ThrowInvalidArgument("\"{}\" is no image size; write it as 1920x1080", text);
+  if (!is_size) ThrowInvalidArgument("\"{}\" is not an image size; write it as 1920x1080", text);
   return {width, height};
 }
 

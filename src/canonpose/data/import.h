@@ -1,5 +1,5 @@
-// From detectors' files to a dataset: read, follow one person, check the layout, line up the cameras, map to a
-// skeleton.
+// From detectors' files to a dataset: read them, follow one person, check the layout, align the cameras, map the joints
+// to a skeleton.
 #pragma once
 
 #include <array>
@@ -14,19 +14,19 @@
 
 namespace canonpose {
 
-/// How the frames of several cameras belong together.
+/// How the frames of several cameras are matched.
 enum class FrameAlignment {
-  kOrder,        ///< the n-th frame of each; their counts must agree
-  kFrameNumber,  ///< by frame number; a frame that a camera lacks is missing there
+  kOrder,        ///< the n-th frames of all; all must have as many
+  kFrameNumber,  ///< by frame number; frames that a camera lacks are missing in its view
 };
 
 struct ImportOptions {
   std::string format;                        ///< "openpose", "alphapose", "mmpose" or "coco"
-  std::vector<std::filesystem::path> paths;  ///< one camera each, or several where a path is a folder of cameras
-  std::vector<CameraInput> cameras;          ///< cameras named by the user; they replace those of the same name or path
-  std::string layout;                        ///< the detector's layout; empty: by number of keypoints and anatomy
-  std::string skeleton = "h36m-17";          ///< what to map to; "native" keeps the detector's joints
-  int person = 1;                            ///< whom to follow, 1 = the most prominent
+  std::vector<std::filesystem::path> paths;  ///< one camera per path, or several where a path is a folder of cameras
+  std::vector<CameraInput> cameras;  ///< cameras named by the user; they replace those with the same name or path
+  std::string layout;                ///< the detector's layout; empty: recognised by number of keypoints and anatomy
+  std::string skeleton = "h36m-17";  ///< the skeleton to map to; "native" keeps the detector's joints
+  int person = 1;                    ///< who to follow; 1 is the most prominent person
   std::map<std::string, int> camera_person;  ///< the same for single cameras
   std::array<int, 2> image_size{0, 0};       ///< width, height in pixels of all cameras; 0: from `calibration`
   std::map<std::string, std::array<int, 2>> camera_image_size;  ///< the same for single cameras
@@ -34,8 +34,8 @@ struct ImportOptions {
   FrameAlignment alignment = FrameAlignment::kOrder;
   std::string name = "clip";  ///< of the sequence
   std::string subject;        ///< empty: the sequence's name
-  std::string
-      capture;       ///< empty: the name and a hash of the keypoints, so that no two imports share cameras by accident
+  /// Empty: the name and a hash of the keypoints, so that no two imports accidentally share cameras.
+  std::string capture;
   double fps = 0.0;  ///< 0: unknown
   bool moving_cameras = false;
 
@@ -43,19 +43,19 @@ struct ImportOptions {
   void Validate() const;
 };
 
-/// A dataset of one sequence. Throws Error(kBadInput) for whatever is wrong with the files, also where there is only
+/// A dataset of one sequence. Throws Error(kBadInput) for anything wrong with the files, including that there is only
 /// one camera.
 Dataset ImportDetections(const ImportOptions& options);
 
-/// What `lift` needs to read a detector's file as the training data was read.
+/// What `lift` needs to read a detector's file in the way that the training data was read.
 struct SingleCameraOptions {
-  std::string format;             ///< empty: from the content
-  std::string layout;             ///< empty: by number of keypoints and anatomy
+  std::string format;             ///< empty: recognised by the content
+  std::string layout;             ///< empty: recognised by number of keypoints and anatomy
   double confidence_scale = 0.0;  ///< what to divide confidences by; 0: their largest, if above 1
-  Skeleton skeleton;              ///< what to map to; without joints: the detector's own
-  std::string camera;             ///< which one, by name, that must be there; empty: there must be one
+  Skeleton skeleton;              ///< the skeleton to map to; without joints: keep the detector's
+  std::string camera;             ///< the name of the camera to read; empty: the only one
   int person = 1;
-  std::array<int, 2> image_size{0, 0};  ///< kept as it is
+  std::array<int, 2> image_size{0, 0};  ///< copied to the view
 };
 
 struct SingleCamera {

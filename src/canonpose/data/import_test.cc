@@ -136,10 +136,10 @@ TEST(ImportDetections, ConfidencesAboveOneAreScaled) {
   }
   EXPECT_LE(largest, 1.0F);
   EXPECT_GT(largest, 0.9F);
-  EXPECT_THAT(ImportLog(options), HasSubstr("all are divided by that"));
+  EXPECT_THAT(ImportLog(options), HasSubstr("all are divided by this value"));
 }
 
-TEST(ImportDetections, AWildConfidenceIsRefused) {
+TEST(ImportDetections, AnAbsurdConfidenceIsRefused) {
   const auto error_with = [](const std::string& confidence) {
     const Copy copy;
     std::string text = ReadFile(copy.Frame(2, 3));
@@ -152,10 +152,10 @@ TEST(ImportDetections, AWildConfidenceIsRefused) {
   EXPECT_THAT(error_with("1e6"),
               AllOf(HasSubstr("in/cam2: frame 3 (cam2_000000000003_keypoints.json), person 0, keypoint 0"),
                     HasSubstr("never above 100, found 1e+06")));
-  EXPECT_THAT(error_with("60.5"), AllOf(HasSubstr("99 % of which are up to"), HasSubstr("found 60.5")));
+  EXPECT_THAT(error_with("60.5"), AllOf(HasSubstr("99 % of which are at most"), HasSubstr("found 60.5")));
 }
 
-TEST(ImportDetections, LargeConfidencesOfAlphaPoseAreNoWildOnes) {
+TEST(ImportDetections, LargeConfidencesOfAlphaPoseAreAccepted) {
   const TemporaryFolder folder;
   fs::copy(TestData("detections/alphapose"), folder / "in", fs::copy_options::recursive);
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder / "in")) {
@@ -233,16 +233,16 @@ TEST(ImportDetections, OneCameraUnderTwoNamesIsRefused) {
   ImportOptions options = OpenPose();
   options.paths.clear();
   options.cameras = {{"left", TestData("detections/openpose/cam1")}, {"right", TestData("detections/openpose/cam1")}};
-  EXPECT_THAT(ImportError(options), HasSubstr("that of camera left again for camera right"));
+  EXPECT_THAT(ImportError(options), HasSubstr("the same for cameras left and right"));
   const Copy linked;
   fs::create_directory_symlink(linked.path() / "cam1", linked.path() / "cam3");
-  EXPECT_THAT(ImportError(linked.options), HasSubstr("that of camera cam1 again for camera cam3"));
+  EXPECT_THAT(ImportError(linked.options), HasSubstr("the same for cameras cam1 and cam3"));
 }
 
 TEST(ImportDetections, CamerasWithTheSameKeypointsAreRefused) {
   const Copy copy;
   fs::copy(copy.path() / "cam1", copy.path() / "cam3", fs::copy_options::recursive);
-  EXPECT_THAT(ImportError(copy.options), AllOf(HasSubstr("in/cam3: expected keypoints of camera cam3's own"),
+  EXPECT_THAT(ImportError(copy.options), AllOf(HasSubstr("in/cam3: expected camera cam3 to have its own keypoints"),
                                                HasSubstr("those of camera cam1"), HasSubstr("in every frame")));
 }
 
@@ -299,7 +299,7 @@ TEST(ImportDetections, NoCommonFrameNumberIsRefused) {
   Copy copy;
   for (int t = 0; t < kFrames; ++t) fs::rename(copy.Frame(2, t), copy.Frame(2, t + 100));
   copy.options.alignment = FrameAlignment::kFrameNumber;
-  EXPECT_THAT(ImportError(copy.options), HasSubstr("expected frame numbers that another camera has too"));
+  EXPECT_THAT(ImportError(copy.options), HasSubstr("expected frame numbers that another camera also has"));
 }
 
 TEST(ImportDetections, ACameraWithoutDetectionsIsRefused) {
@@ -362,7 +362,7 @@ TEST(ImportDetections, KeypointsOutsideTheImageAreAWarning) {
               AllOf(HasSubstr("lie far outside an image of 320x240"), HasSubstr("width comes first")));
 }
 
-TEST(ImportDetections, ACalibrationMustHaveEveryCamera) {
+TEST(ImportDetections, ACalibrationMustContainEveryCamera) {
   const TemporaryFolder folder;
   ImportOptions options = OpenPose();
   options.image_size = {0, 0};
@@ -391,7 +391,7 @@ TEST(ImportDetections, OptionsAreChecked) {
   EXPECT_THAT(usage([](ImportOptions& o) { o.person = 0; }), HasSubstr("`person` counts from 1"));
   EXPECT_THAT(usage([](ImportOptions& o) { o.skeleton = "x"; }), HasSubstr("there is no skeleton"));
   EXPECT_THAT(usage([](ImportOptions& o) { o.fps = -1.0; }), HasSubstr("`fps`"));
-  EXPECT_THAT(usage([](ImportOptions& o) { o.name = "a/b"; }), HasSubstr("no name for a sequence"));
+  EXPECT_THAT(usage([](ImportOptions& o) { o.name = "a/b"; }), HasSubstr("not a valid name for a sequence"));
   EXPECT_THAT(usage([](ImportOptions& o) {
                 o.camera_image_size["x"] = {1, 1};
               }),
@@ -401,7 +401,7 @@ TEST(ImportDetections, OptionsAreChecked) {
 TEST(ParseImageSize, TakesWidthAndHeight) {
   EXPECT_EQ(ParseImageSize("1920x1080"), (std::array<int, 2>{1920, 1080}));
   for (const char* text : {"", "1920", "x", "1920x", "0x5", "-1x5", "1920x1080p", "1920 1080", "99999999999x5"}) {
-    EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { ParseImageSize(text); }), HasSubstr("no image size"));
+    EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { ParseImageSize(text); }), HasSubstr("not an image size"));
   }
 }
 
@@ -457,7 +457,7 @@ TEST(ReadSingleCamera, ReadsAsTheImportDid) {
   }
 }
 
-TEST(ReadSingleCamera, SeveralCamerasMustBeChosenFrom) {
+TEST(ReadSingleCamera, WithSeveralCamerasOneMustBeChosen) {
   SingleCameraOptions options;
   const fs::path path = TestData("detections/openpose");
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadSingleCamera(path, options); }),
@@ -470,12 +470,12 @@ TEST(ReadSingleCamera, SeveralCamerasMustBeChosenFrom) {
   EXPECT_EQ(single.skeleton.name, "body_25");
 }
 
-TEST(ReadSingleCamera, ANamedCameraMustBeTheOneThatIsThere) {
+TEST(ReadSingleCamera, ANamedCameraMustExist) {
   SingleCameraOptions options;
   options.camera = "cam9";
   const fs::path path = TestData("detections/openpose/cam1");
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadSingleCamera(path, options); }),
-              AllOf(HasSubstr("expected camera cam9, found the camera cam1"), HasSubstr("leave `camera` out")));
+              AllOf(HasSubstr("expected camera cam9, found the camera cam1"), HasSubstr("leave out `camera`")));
   options.camera = "cam1";
   EXPECT_EQ(ReadSingleCamera(path, options).view.name, "cam1");
 }

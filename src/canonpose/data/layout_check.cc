@@ -19,20 +19,21 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Above this misfit a layout does not fit: right ones measure up to 1.7, wrong ones from 2.7 on.
+/// Above this misfit a layout does not fit: right ones measure at most 1.7, wrong ones at least 2.7.
 constexpr double kLargestMisfit = 2.4;
-/// The quartiles of a few frames may be unlucky ones.
+/// The quartiles of only a few frames are less reliable.
 constexpr double kLargestMisfitOfFewFrames = 3.2;
 constexpr int kFewFrames = 10;
 /// A layout is clearly better than another where its misfit is smaller by this factor.
 constexpr double kClearlyBetter = 1.25;
-/// Fewer joints seen at once say nothing.
+/// Frames that show fewer joints at once are not used.
 constexpr int kFewestJoints = 7;
+/// About as many frames are used of all clips together.
 constexpr int kMaxFrames = 400;
-/// Foreshortening alone hardly takes the median ratio of two limb parts beyond this.
+/// Foreshortening alone hardly ever makes the median ratio of two parts of a limb larger than this.
 constexpr double kOddLimbRatio = 2.5;
 
-/// One frame's seen points; index -1 where a joint is missing.
+/// The joints seen in one frame; index is -1 where a joint is missing.
 struct SeenJoints {
   std::vector<Vector2d> points;
   std::vector<int> joint;  ///< of each point
@@ -73,8 +74,8 @@ double ShortestTree(const std::vector<Vector2d>& points) {
   return total;
 }
 
-/// Mean edge of the layout's tree over that of the shortest tree. A missing joint is left out of the tree: its children
-/// hang on its nearest seen ancestor. 0 where too little is seen.
+/// Mean edge of the layout's tree divided by that of the shortest tree. A missing joint is left out of the tree, and
+/// its children are attached to its nearest visible ancestor. 0 where too few joints are seen.
 double TreeRatio(const Skeleton& layout, const SeenJoints& seen) {
   const auto count = static_cast<int>(seen.points.size());
   if (count < kFewestJoints) return 0.0;
@@ -152,7 +153,7 @@ class EdgeLengths {
   std::vector<std::vector<double>> lengths_;
 };
 
-/// Three joints in a row down a limb.
+/// Three successive joints of a limb.
 using Limb = std::array<int, 3>;
 
 std::vector<Limb> Limbs(const Skeleton& layout, bool legs) {
@@ -169,7 +170,7 @@ std::vector<Limb> Limbs(const Skeleton& layout, bool legs) {
   return limbs;
 }
 
-/// Adds upper / lower length of each limb that is seen whole.
+/// Adds the ratio of upper to lower length of each limb that is completely visible.
 void AddLimbRatios(const std::vector<Limb>& limbs, const SeenJoints& seen, std::vector<double>& ratios) {
   for (const Limb& limb : limbs) {
     std::array<int, 3> at{};
@@ -201,13 +202,13 @@ std::string LayoutsByCount() {
   return text;
 }
 
-/// What a layout makes of the keypoints, for messages.
+/// How well a layout explains the keypoints, for messages.
 std::string Describe(const LayoutFit& fit) {
-  return fmt::format("as {} limbs are {:.1f} times as long as they need be, left and right {:.0f} % apart",
+  return fmt::format("as {}, limbs are {:.1f} times as long as necessary and left and right differ by {:.0f} %",
                      fit.layout->name, fit.tree_ratio, 100.0 * fit.asymmetry);
 }
 
-/// Refuses a layout where another is clearly better.
+/// Throws where another layout is clearly better.
 [[noreturn]] void ThrowOtherFits(const KeypointClip& clip, const LayoutFit& wrong, const LayoutFit& right,
                                  const std::string& advice) {
   ThrowBadInput({clip.path, "", fmt::format("keypoints in the layout {}", wrong.layout->name),
@@ -217,11 +218,11 @@ std::string Describe(const LayoutFit& fit) {
 [[noreturn]] void ThrowNothingFits(const KeypointClip& clip, const LayoutFit& best) {
   ThrowBadInput({clip.path, "",
                  fmt::format("the joints of a person in the order of a layout with {} keypoints", clip.keypoint_count),
-                 fmt::format("an order that fits none: {}", Describe(best)),
-                 "the joints are shuffled, or from a layout that is not known"});
+                 fmt::format("an order that fits none of these: {}", Describe(best)),
+                 "the joints are shuffled, or in an unknown layout"});
 }
 
-/// Refuses a camera whose own joints are clearly in another layout than the one chosen for all.
+/// Throws where one camera's joints are clearly in another layout than the one chosen for all.
 void CheckEachCamera(std::span<const KeypointClip> clips, const Skeleton& layout) {
   for (const KeypointClip& clip : clips) {
     const LayoutFit best = MeasureAll(std::span(&clip, 1)).front();
@@ -251,8 +252,8 @@ void WarnOfOddLimbs(const LayoutFit& fit) {
   for (const auto& [name, ratio] :
        {std::pair("thigh / shank", fit.thigh_to_shank), std::pair("upper arm / forearm", fit.upper_arm_to_forearm)}) {
     if (ratio > 0.0 && (ratio > kOddLimbRatio || ratio < 1.0 / kOddLimbRatio)) {
-      LogWarning("read as {}, {} is {:.1f} in the image; check that the joints are in this order", fit.layout->name,
-                 name, ratio);
+      LogWarning("read as {}, the ratio {} is {:.1f} in the image; check that the joints are in this order",
+                 fit.layout->name, name, ratio);
     }
   }
 }
@@ -302,7 +303,7 @@ const Skeleton& CheckLayout(std::span<const KeypointClip> clips, const std::stri
   const Skeleton* layout = requested.empty() ? nullptr : &RequestedLayout(first, requested);
   const std::vector<LayoutFit> fits = MeasureAll(clips);
   if (fits.empty()) {
-    ThrowBadInput({first.path, "", "as many keypoints as a known layout has: " + LayoutsByCount(),
+    ThrowBadInput({first.path, "", "as many keypoints as a known layout: " + LayoutsByCount(),
                    fmt::format("{}", first.keypoint_count), "run the detector with one of these layouts"});
   }
   const LayoutFit& best = fits.front();
@@ -311,9 +312,10 @@ const Skeleton& CheckLayout(std::span<const KeypointClip> clips, const std::stri
   if (layout == nullptr) {
     const bool is_decided = fits.size() == 1 || (is_measured && fits[1].misfit() > kClearlyBetter * best.misfit());
     if (!is_decided) {
-      ThrowBadInput({first.path, "", fmt::format("`layout` {} or {}", best.layout->name, fits[1].layout->name),
-                     fmt::format("{} keypoints, and too few joints seen to tell which", first.keypoint_count),
-                     "name the layout"});
+      ThrowBadInput(
+          {first.path, "", fmt::format("`layout` {} or {}", best.layout->name, fits[1].layout->name),
+           fmt::format("{} keypoints, with too few joints visible to recognise the layout", first.keypoint_count),
+           "name the layout"});
     }
     layout = best.layout;
     LogInfo("layout {}, as there are {} keypoints{}", layout->name, first.keypoint_count,
@@ -323,9 +325,9 @@ const Skeleton& CheckLayout(std::span<const KeypointClip> clips, const std::stri
       std::find_if(fits.begin(), fits.end(), [&](const LayoutFit& fit) { return fit.layout == layout; });
   const bool is_refuted = is_measured && chosen->misfit() > kClearlyBetter * best.misfit();
   if (is_refuted) {
-    ThrowOtherFits(first, *chosen, best, fmt::format("use `layout` {}, or leave it out", best.layout->name));
+    ThrowOtherFits(first, *chosen, best, fmt::format("use `layout` {}, or leave `layout` out", best.layout->name));
   }
-  if (!is_measured) LogWarning("too few joints are seen together to check that the layout is {}", layout->name);
+  if (!is_measured) LogWarning("too few joints are visible together to check that the layout is {}", layout->name);
   if (is_measured) CheckEachCamera(clips, *layout);
   WarnOfOddLimbs(*chosen);
   return *layout;

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <numbers>
 #include <numeric>
 
 #include <Eigen/Geometry>
@@ -14,6 +13,7 @@
 #include "canonpose/base/random.h"
 #include "canonpose/base/testing.h"
 #include "canonpose/data/readers/formats.h"
+#include "canonpose/geometry/angles.h"
 
 namespace canonpose {
 namespace {
@@ -25,8 +25,6 @@ using ::testing::AllOf;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
 using testing::Shared;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// Flexion in degrees, forwards; the body faces +x, y is up.
 struct Posture {
@@ -49,7 +47,7 @@ constexpr std::array<Posture, 8> kPostures{{{"upright", 0, 5, 10, 10, 20},
                                             {"lying", 0, 10, 20, 30, 30, 90}}};
 
 /// In the plane x-y, `degrees` forwards of straight down.
-Vector3d Down(double degrees) { return {std::sin(degrees * kDegree), -std::cos(degrees * kDegree), 0.0}; }
+Vector3d Down(double degrees) { return {std::sin(RadFromDeg(degrees)), -std::cos(RadFromDeg(degrees)), 0.0}; }
 
 /// Body parts in mm, by the names of the layouts without their differences.
 std::map<std::string, Vector3d> Body(const Posture& posture, Rng& rng) {
@@ -83,7 +81,7 @@ std::map<std::string, Vector3d> Body(const Posture& posture, Rng& rng) {
     parts[s + "elbow"] = parts[s + "shoulder"] + 290.0 * Down(arm) + 60.0 * across;
     parts[s + "wrist"] = parts[s + "elbow"] + 250.0 * Down(arm + posture.elbow + jitter());
   }
-  const Matrix3d turn = AngleAxisd(posture.upside_down * kDegree, Vector3d::UnitZ()).toRotationMatrix();
+  const Matrix3d turn = AngleAxisd(RadFromDeg(posture.upside_down), Vector3d::UnitZ()).toRotationMatrix();
   for (auto& [name, part] : parts) part = turn * part;
   return parts;
 }
@@ -109,7 +107,7 @@ KeypointClip Watch(const Skeleton& layout, const Posture& posture, double azimut
   clip.path = fmt::format("{} at {}, {}", posture.name, azimuth, elevation);
   clip.keypoint_count = layout.joint_count();
   const Matrix3d rotation =
-      (AngleAxisd(elevation * kDegree, Vector3d::UnitX()) * AngleAxisd(azimuth * kDegree, Vector3d::UnitY()))
+      (AngleAxisd(RadFromDeg(elevation), Vector3d::UnitX()) * AngleAxisd(RadFromDeg(azimuth), Vector3d::UnitY()))
           .toRotationMatrix();
   Rng rng(11);
   for (int t = 0; t < frames; ++t) {
@@ -269,7 +267,7 @@ TEST(CheckLayout, CountsAndNamesMustFit) {
   odd[0].keypoints.resize(odd[0].keypoints.size() / 2);
   odd[0].confidence.resize(odd[0].confidence.size() / 2);
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { CheckLayout(odd, ""); }),
-              HasSubstr("as many keypoints as a known layout has"));
+              HasSubstr("as many keypoints as a known layout"));
 }
 
 TEST(CheckLayout, TheBalancingRecordingIsBody25b) {

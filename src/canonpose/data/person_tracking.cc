@@ -19,15 +19,16 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kLongestGap = 60;
-/// In a gap a person moves on, ever less surely: velocity times this many frames at most.
+/// In a gap a person is assumed to move on, by at most this many frames' velocity, since the assumption becomes ever
+/// less certain.
 constexpr double kCoastingFrames = 15.0;
 /// Costs are mean keypoint distances in person sizes (box diagonals).
 constexpr double kCostLimit = 0.5;
 constexpr double kCostLimitPerGapFrame = 0.03;
 constexpr double kLargestCostLimit = 1.2;
-/// A detection with the track's own id costs this share of what it would otherwise.
+/// The cost of a detection with the track's own id is multiplied by this.
 constexpr double kSameIdFactor = 0.25;
-/// From this share of the first's prominence on, the second might be the one who is meant.
+/// Above this fraction of the first person's prominence, the second person might be the one who is meant.
 constexpr double kCloseCallShare = 0.6;
 
 /// One detection as the tracker sees it.
@@ -56,7 +57,7 @@ Pose MakePose(const DetectedPerson& person) {
     low = low.cwiseMin(point);
     high = high.cwiseMax(point);
   }
-  // A lone keypoint has no size; a pixel keeps divisions finite.
+  // A single keypoint has no size; one pixel keeps divisions finite.
   pose.size_px = std::max(1.0, (high - low).norm());
   pose.id = person.track_id;
   return pose;
@@ -94,7 +95,7 @@ class Tracker {
     int last_frame = 0;
   };
 
-  /// The track of each person in a frame, -1 for a new one.
+  /// The track of each person in a frame; -1 for a new track.
   std::vector<int> Assign(int frame, const std::vector<Pose>& poses) const {
     struct Pair {
       double cost;
@@ -125,7 +126,8 @@ class Tracker {
     return track_of;
   }
 
-  /// The cheapest pair first may leave an expensive one for the end; swapping two ends better for people who cross.
+  /// Assigning the cheapest pair first may leave an expensive one for the end; swapping two assignments fixes that for
+  /// people who cross.
   static void SwapWhereBetter(const std::vector<std::vector<double>>& costs, std::vector<int>& track_of) {
     bool has_changed = true;
     while (has_changed) {
@@ -165,7 +167,7 @@ class Tracker {
     double cost = sum / weight + 0.1 * missing_share + 0.1 * std::abs(std::log(pose.size_px / track.last.size_px));
     if (has_same_id) return kSameIdFactor * cost;
     const double limit = std::min(kLargestCostLimit, kCostLimit + kCostLimitPerGapFrame * (gap - 1));
-    // Two ids are two people, but for a tracker that lost one and found him again under a new number.
+    // Two ids are two people, unless a tracker lost one and found them again under a new number.
     if (track.last.id && pose.id) cost *= 2.0;
     return cost < limit ? cost : kImpossible;
   }
@@ -196,7 +198,7 @@ class Tracker {
         track.last.points[k] = pose.points[k];
         track.last.weights[k] = pose.weights[k];
       } else {
-        // Not seen: it moves with the others and counts for less and less.
+        // An unseen keypoint moves with the others and gets less and less weight.
         track.last.points[k] += moved;
         track.last.weights[k] *= 0.8;
       }
@@ -225,7 +227,7 @@ std::string Ordinal(int number) {
   return fmt::format("the {}{} most prominent", number, suffix);
 }
 
-/// Says who is followed, and where that might not be who is meant.
+/// Logs who is followed, and warns where that might not be who is meant.
 void LogChoice(const DetectedCamera& camera, const std::vector<PersonTrack>& tracks, int number) {
   const auto people = std::count_if(tracks.begin(), tracks.end(), [&](const PersonTrack& track) {
     return track.prominence >= kPersonShare * tracks.front().prominence;
@@ -240,25 +242,25 @@ void LogChoice(const DetectedCamera& camera, const std::vector<PersonTrack>& tra
           chosen.sightings.size(), frames);
   if (number == 1 && tracks[1].prominence > kCloseCallShare * chosen.prominence) {
     LogWarning(
-        "{}: the second most prominent person is {:.0f} % as prominent as the one followed; choose with `person` {}=2",
+        "{}: the second most prominent person is {:.0f} % as prominent as the one followed; to follow the second, set "
+        "`person` {}=2",
         camera.name, 100.0 * tracks[1].prominence / chosen.prominence, camera.name);
   }
 }
 
-/// Says where the person was lost for long: found again, or perhaps to be found as somebody else.
+/// Logs where the person was lost for long and found again, and warns where they may have continued as somebody else.
 void LogLosses(const DetectedCamera& camera, const std::vector<PersonTrack>& tracks, int number) {
   const auto chosen = static_cast<std::size_t>(number - 1);
   const auto number_of = [&](int frame) { return camera.frames[static_cast<std::size_t>(frame)].number; };
   for (const int frame : tracks[chosen].returns) {
-    LogInfo("{}: whoever appears at frame {} is taken for the person followed, come back", camera.name,
-            number_of(frame));
+    LogInfo("{}: the person who appears at frame {} is assumed to be the person followed, who has returned",
+            camera.name, number_of(frame));
   }
   const std::vector<int> lost = FramesOfPossibleParts(camera, tracks, chosen);
   if (lost.empty()) return;
   LogWarning(
-      "{}: {} frames ({} to {}) are lost: somebody alike is seen there while the person followed is not, perhaps the "
-      "same "
-      "person; cut the clip, or use a detector that writes track ids",
+      "{}: {} frames ({} to {}) are lost: the person followed is not seen there, but somebody similar is, who may be "
+      "the same person; cut the clip, or use a detector that writes track ids",
       camera.name, lost.size(), number_of(lost.front()), number_of(lost.back()));
 }
 

@@ -45,7 +45,7 @@ struct Scene {
   std::vector<std::vector<int>> who;
 };
 
-/// place(frame, person) is the x of a person, NaN where not seen.
+/// place(frame, person) is a person's x, NaN where not seen.
 template <typename Place>
 Scene MakeScene(int frames, const std::vector<double>& heights, const std::vector<double>& confidences, Place&& place) {
   Scene scene;
@@ -130,7 +130,7 @@ TEST(TrackPeople, MissingKeypointsDoNotBreakATrack) {
   EXPECT_EQ(TrackPeople(scene.camera).size(), 1U);
 }
 
-TEST(TrackPeople, TrackIdsBindWhatDistanceDoesNot) {
+TEST(TrackPeople, TrackIdsLinkDetectionsThatDistanceDoesNot) {
   // After a long absence far away from where the person was, with somebody else about: only the id says who it is.
   Scene scene = MakeScene(200, {400, 400}, {0.8, 0.8}, [](int t, int p) {
     if (p == 1) return 2000.0;
@@ -153,7 +153,7 @@ std::string FollowLog(const Scene& scene) {
   return ReadFile(folder / "log");
 }
 
-TEST(TrackPeople, ALonePersonComesBackAfterALongAbsence) {
+TEST(TrackPeople, ALonePersonReturnsAfterALongAbsence) {
   const Scene scene = MakeScene(300, {400}, {0.8}, [](int t, int) {
     return t >= 100 && t < 200 ? std::nan("") : 300.0 + (t < 100 ? 0.0 : 900.0);
   });
@@ -165,7 +165,7 @@ TEST(TrackPeople, ALonePersonComesBackAfterALongAbsence) {
                                       HasSubstr("appears at frame 200"), Not(HasSubstr("lost"))));
 }
 
-TEST(TrackPeople, APersonComesBackToTheSamePlaceAmongOthers) {
+TEST(TrackPeople, APersonReturnsToTheSamePlaceAmongOthers) {
   const Scene scene = MakeScene(300, {400, 400}, {0.8, 0.7}, [](int t, int p) {
     return p == 0 && t >= 100 && t < 200 ? std::nan("") : 300.0 + 900.0 * p;
   });
@@ -175,7 +175,7 @@ TEST(TrackPeople, APersonComesBackToTheSamePlaceAmongOthers) {
   EXPECT_EQ(CountPeople(scene, tracks[1]), (std::array<int, 2>{200, 0}));
 }
 
-TEST(TrackPeople, TwoWhoComeBackEachContinueAsThemselves) {
+TEST(TrackPeople, TwoPeopleWhoReturnKeepTheirIdentities) {
   const Scene scene = MakeScene(300, {400, 400}, {0.8, 0.7},
                                 [](int t, int p) { return t >= 100 && t < 200 ? std::nan("") : 300.0 + 1200.0 * p; });
   const std::vector<PersonTrack> tracks = TrackPeople(scene.camera);
@@ -183,8 +183,8 @@ TEST(TrackPeople, TwoWhoComeBackEachContinueAsThemselves) {
   EXPECT_EQ(CountPeople(scene, tracks[0]), (std::array<int, 2>{200, 0}));
 }
 
-TEST(TrackPeople, AnUncertainReturnIsNotJoinedButAWarning) {
-  // Somebody much alike is about while the one who is followed goes, and whoever comes does so elsewhere.
+TEST(TrackPeople, AnUncertainReturnIsNotJoinedButReported) {
+  // A similar person is present while the one followed leaves, and the next one to appear does so elsewhere.
   const Scene scene = MakeScene(300, {600, 400}, {0.8, 0.7}, [](int t, int p) {
     if (p == 1) return t >= 100 && t < 240 ? 2500.0 : std::nan("");
     return t >= 140 && t < 220 ? std::nan("") : 300.0 + (t < 140 ? 0.0 : 1200.0);
@@ -194,14 +194,14 @@ TEST(TrackPeople, AnUncertainReturnIsNotJoinedButAWarning) {
               AllOf(HasSubstr("in 140 of 300 frames"), HasSubstr("cam: 80 frames (220 to 299) are lost")));
 }
 
-TEST(TrackPeople, AFalseAlarmIsNotTakenForThePersonComeBack) {
+TEST(TrackPeople, AFalseDetectionIsNotTakenForThePersonReturning) {
   const Scene scene = MakeScene(300, {400, 100}, {0.8, 0.3},
                                 [](int t, int p) { return (p == 0) == (t < 150) ? 300.0 + 100.0 * p : std::nan(""); });
   EXPECT_EQ(TrackPeople(scene.camera).size(), 2U);
   EXPECT_THAT(FollowLog(scene), Not(HasSubstr("lost")));
 }
 
-TEST(FollowPerson, TakesTheMostProminentOrTheOneAskedFor) {
+TEST(FollowPerson, TakesTheMostProminentOrTheRequestedPerson) {
   const TemporaryFolder folder;
   const Scene scene = MakeScene(50, {300, 500}, {0.5, 0.8}, [](int t, int p) { return 300.0 + 400.0 * p + t; });
   KeypointClip clip;
@@ -218,14 +218,14 @@ TEST(FollowPerson, TakesTheMostProminentOrTheOneAskedFor) {
               HasSubstr("somewhere: expected 3 people in camera cam, found 2"));
 }
 
-TEST(FollowPerson, ACloseCallIsAWarning) {
+TEST(FollowPerson, ACloseChoiceIsAWarning) {
   const TemporaryFolder folder;
   const Scene scene = MakeScene(50, {400, 380}, {0.8, 0.7}, [](int t, int p) { return 300.0 + 400.0 * p + t; });
   {
     const LogFile log(folder / "log");
     FollowPerson(scene.camera, 1);
   }
-  EXPECT_THAT(ReadFile(folder / "log"), HasSubstr("choose with `person` cam=2"));
+  EXPECT_THAT(ReadFile(folder / "log"), HasSubstr("set `person` cam=2"));
 }
 
 TEST(FollowPerson, FramesWithoutThePersonStayMissing) {

@@ -14,21 +14,21 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// A crowd has no use for more.
+/// In a crowd, more tracks would be of no use.
 constexpr std::size_t kMaxTracks = 64;
-/// The parts of one person have prominences a frame that differ by less than this factor, and sizes likewise.
+/// Parts of one person's track differ by less than this factor in prominence per frame and in size.
 constexpr double kSameFactor = 2.5;
-/// Another track counts as somebody from these shares of the lesser part's prominence on, a frame and in all.
+/// Another track counts as a person above these fractions of the lesser part's prominence, per frame and in total.
 constexpr double kRivalShareOfFrame = 0.4;
 constexpr double kRivalShareOfAll = 0.1;
-/// How far somebody gets, in person sizes: at once, and in a frame.
+/// How far a person can get, in person sizes: immediately, and per frame.
 constexpr double kReach = 2.0;
 constexpr double kReachPerFrame = 0.1;
-/// Among others: the same place and size, and whoever else is possible is at least this much farther off.
+/// With other people present: the same place and size, and every alternative is farther away by at least this factor.
 constexpr double kSamePlace = 0.75;
 constexpr double kSameSizeFactor = 1.3;
 constexpr double kRunnerUpDistance = 2.0;
-/// The ends of a track are means over so many sightings.
+/// The ends of a track are means over this many sightings.
 constexpr std::size_t kEndSightings = 5;
 
 struct End {
@@ -87,12 +87,12 @@ bool AreComparable(const Part& a, const Part& b) {
   return Factor(a.prominence_per_frame, b.prominence_per_frame) < kSameFactor;
 }
 
-/// From the end of one to the beginning of the other, in person sizes.
+/// Distance from the end of one to the beginning of the other, in person sizes.
 double Distance(const Part& earlier, const Part& later) {
   return (earlier.end.place_px - later.begin.place_px).norm() / std::max(earlier.end.size_px, later.begin.size_px);
 }
 
-/// Whether `later` could be `earlier` come back.
+/// Whether `later` could be the same person as `earlier`, who has returned.
 bool IsPossible(const Part& earlier, const Part& later) {
   return earlier.last < later.first && AreComparable(earlier, later) &&
          Factor(earlier.end.size_px, later.begin.size_px) < kSameFactor &&
@@ -112,7 +112,7 @@ bool HasRival(const std::vector<Part>& parts, std::size_t a, std::size_t b) {
   return false;
 }
 
-/// Whether the person came back to the same place, and neither part has another continuation nearly as near.
+/// Whether the person returned to the same place, and neither part has another continuation that is nearly as close.
 bool IsOnlyPlausible(const std::vector<Part>& parts, std::size_t earlier, std::size_t later) {
   const double distance = Distance(parts[earlier], parts[later]);
   if (distance > kSamePlace || Factor(parts[earlier].end.size_px, parts[later].begin.size_px) > kSameSizeFactor) {
@@ -136,7 +136,7 @@ std::size_t CountPeople(const std::vector<PersonTrack>& tracks) {
   return count;
 }
 
-/// The two parts to join next: those with the shortest absence between them.
+/// The two parts to join next, which are those with the shortest absence between them.
 std::optional<std::pair<std::size_t, std::size_t>> NextPair(const std::vector<Part>& parts) {
   std::optional<std::pair<std::size_t, std::size_t>> best;
   int shortest = std::numeric_limits<int>::max();

@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/npz.h"
 #include "canonpose/evaluate/evaluation.h"
 #include "canonpose/skeleton/skeleton.h"
 
@@ -19,7 +19,7 @@ std::string ShapeText(const PoseArchive& archive) {
   return fmt::format("pose3d of shape ({}, {}, 3)", archive.frame_count, archive.joint_count);
 }
 
-/// The names that both archives agree on; numbers where neither has any.
+/// The joint names of both archives, which must agree; numbers if neither has any.
 std::vector<std::string> JointNames(const PoseArchive& predicted, const PoseArchive& truth, const fs::path& file) {
   const auto same = [](const std::vector<std::string>& a, const std::vector<std::string>& b) {
     const Skeleton first{"", a, {}, 0, {}};
@@ -82,7 +82,7 @@ EvaluationReport EvaluateArchives(const fs::path& predictions, const fs::path& t
   const int last = std::min(options.frames.last, true_poses.frame_count - 1);
   if (options.frames.first > last) {
     ThrowBadInput({truth.string(), "", fmt::format("poses from {} on", options.frames.first),
-                   fmt::format("{}", true_poses.frame_count), "choose frames that are there"});
+                   fmt::format("{}", true_poses.frame_count), "choose frames that exist"});
   }
   Evaluation evaluation(joints, RootOf(joints, options.root), options.left_out);
   evaluation.KeepFrameErrors(options.frame_errors);

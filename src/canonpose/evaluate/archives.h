@@ -1,4 +1,4 @@
-// Evaluating predictions of whatever program, given as NumPy archives.
+// Evaluates predictions of any program, given as NumPy archives.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@
 
 namespace canonpose {
 
-/// An archive with pose3d (N, J, 3), and joints (J texts) where it has them.
+/// An archive with pose3d (N, J, 3), and optionally joints (J texts).
 struct PoseArchive {
   int frame_count = 0;
   int joint_count = 0;
@@ -25,13 +25,13 @@ PoseArchive ReadPoseArchive(const std::filesystem::path& path);
 
 struct ArchiveOptions {
   std::optional<int> root;              ///< default: that of the built-in skeleton with these joints, otherwise 0
-  std::vector<std::string> left_out;    ///< joints by name, or by number where the archives do not name them
+  std::vector<std::string> left_out;    ///< joints by name, or by number if the archives have no names
   FrameRange frames;                    ///< rows of pose3d
-  FrameErrors* frame_errors = nullptr;  ///< filled where it is given
+  FrameErrors* frame_errors = nullptr;  ///< filled if it is not null
 };
 
-/// Predictions in any unit against truth in mm, row by row, by the protocol all-frames. Throws Error(kBadInput) where
-/// the two do not belong together.
+/// Compares predictions in any unit with truth in mm, row by row, with the protocol all-frames. Throws Error(kBadInput)
+/// where the two do not match.
 EvaluationReport EvaluateArchives(const std::filesystem::path& predictions, const std::filesystem::path& truth,
                                   const ArchiveOptions& options);
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "canonpose/base/testing.h"
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/npz.h"
 #include "canonpose/skeleton/skeleton.h"
 
 namespace canonpose {
@@ -29,7 +29,7 @@ void WritePoses(const std::filesystem::path& path, float scale, int moved, const
   writer.Commit();
 }
 
-TEST(ArchivesTest, AnyScaleIsAsGood) {
+TEST(ArchivesTest, ScaleDoesNotMatter) {
   const TemporaryFolder folder;
   WritePoses(folder / "truth.npz", 1.0F, -1, {});
   WritePoses(folder / "predicted.npz", 0.001F, -1, {});
@@ -78,7 +78,7 @@ TEST(ArchivesTest, RowsAndJointsAreChosen) {
       HasSubstr("poses from 2 on"));
 }
 
-TEST(ArchivesTest, ArchivesThatDoNotBelongTogetherAreRefused) {
+TEST(ArchivesTest, ArchivesThatDoNotMatchAreRefused) {
   const TemporaryFolder folder;
   std::vector<std::string> joints = FindSkeleton("canonpose-16")->joints;
   WritePoses(folder / "truth.npz", 1.0F, -1, joints);

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include "canonpose/base/median.h"
+#include "canonpose/geometry/angles.h"
 #include "canonpose/geometry/viewing_ray.h"
 
 namespace canonpose {
@@ -13,7 +14,7 @@ namespace {
 
 /// The angle between two rotations: |a - b| in the Frobenius norm is sqrt(8) sin(angle / 2).
 double AngleDeg(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
-  return 2.0 * std::asin(std::min(1.0, (a - b).norm() / std::sqrt(8.0))) * 180.0 / M_PI;
+  return DegFromRad(2.0 * std::asin(std::min(1.0, (a - b).norm() / std::sqrt(8.0))));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// How far solved cameras are from calibrated ones.
+// Compares solved cameras with calibrated ones.
 #pragma once
 
 #include <optional>
@@ -11,17 +11,17 @@ namespace canonpose {
 /// Medians over frames (of moving cameras) and pairs of cameras, or cameras.
 struct CameraErrors {
   double relative_rotation_deg = 0.0;  ///< angle between the solved and the true rotation from one camera to another
-  /// The same, the true cameras turned to look along the ray that the solved ones take for their optical axis: a lens
-  /// that sits a little beside the image's middle looks just like a camera that is turned a little.
+  /// The same, after rotating the true cameras to look along the ray that the solved cameras use as their optical axis.
+  /// A lens whose centre is a little off looks just like a camera that is rotated a little.
   double centred_rotation_deg = 0.0;
   double focal_percent = 0.0;  ///< of the focal length
 };
 
-/// Gathers what datasets have of cameras that are both solved and calibrated.
+/// Collects the errors of all cameras of datasets that are both solved and calibrated.
 class CameraComparison {
  public:
   void Add(const Dataset& dataset);
-  /// Nothing where no camera was both.
+  /// Nothing if no camera was both.
   [[nodiscard]] std::optional<CameraErrors> Medians() const;
 
  private:

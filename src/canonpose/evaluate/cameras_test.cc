@@ -5,6 +5,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "canonpose/geometry/angles.h"
+
 namespace canonpose {
 namespace {
 
@@ -44,28 +46,28 @@ TEST(CameraComparisonTest, OnlyRelativeRotationsCount) {
   dataset.sequences[0].cameras[0].solved_calibration = {CameraOf(1100.0, 0.0)};
   CameraComparison off;
   off.Add(dataset);
-  EXPECT_NEAR(off.Medians()->relative_rotation_deg, 0.1 * 180.0 / M_PI, 1e-6);
+  EXPECT_NEAR(off.Medians()->relative_rotation_deg, DegFromRad(0.1), 1e-6);
   EXPECT_NEAR(off.Medians()->focal_percent, 10.0, 1e-9);
 }
 
-TEST(CameraComparisonTest, ALensBesideTheMiddleIsATurnedCamera) {
+TEST(CameraComparisonTest, AnOffCentreLensIsARotatedCamera) {
   Dataset dataset = TwoCameras();
   const double shift_px = 1000.0 * std::tan(0.02);
   for (std::size_t v = 0; v < 2; ++v) {
     CameraView& view = dataset.sequences[0].cameras[v];
-    view.solved_calibration = view.calibration;  // takes pixel (0, 0) for the optical axis
+    view.solved_calibration = view.calibration;  // uses pixel (0, 0) as the optical axis
     view.calibration[0].K(0, 2) = v == 0 ? 0.0 : shift_px;
-    // The true camera's axis lies to the right of the one solved for.
+    // The true camera's axis is to the right of the solved one.
     if (v == 1)
       view.calibration[0].camera_from_world_rotation = CameraOf(1000.0, 1.0 - 0.02).camera_from_world_rotation;
   }
   CameraComparison comparison;
   comparison.Add(dataset);
-  EXPECT_NEAR(comparison.Medians()->relative_rotation_deg, 0.02 * 180.0 / M_PI, 1e-6);
+  EXPECT_NEAR(comparison.Medians()->relative_rotation_deg, DegFromRad(0.02), 1e-6);
   EXPECT_NEAR(comparison.Medians()->centred_rotation_deg, 0.0, 1e-6);
 }
 
-TEST(CameraComparisonTest, NothingToCompareIsNothing) {
+TEST(CameraComparisonTest, WithoutCamerasToCompareThereIsNoResult) {
   CameraComparison comparison;
   comparison.Add(TwoCameras());
   EXPECT_FALSE(comparison.Medians());

@@ -63,7 +63,7 @@ void CanonicalSpread::EndFrame() {
 }
 
 CanonicalReport CanonicalSpread::Finish() const {
-  if (poses_ == 0) ThrowComputation("`canonical`: no pose points the way of its truth, so that none has a scale");
+  if (poses_ == 0) ThrowComputation("`canonical`: every pose points away from its truth, so none has a scale");
   CanonicalReport report;
   report.poses = poses_;
   report.left_out = left_out_;

@@ -22,7 +22,7 @@ PoseErrors Scale(double scale) {
   return errors;
 }
 
-/// A pose whose right hip lies at x, the left one at 10; in the lifter's unit, its root not at the origin.
+/// A pose with the right hip at x and the left hip at 10, in the lifter's unit; its root is not at the origin.
 std::vector<float> Pose(float x) { return {1, 1, 1, 1 + x, 1, 1, 11, 1, 1}; }
 
 TEST(CanonicalTest, DeviationsByHand) {
@@ -53,7 +53,7 @@ TEST(CanonicalTest, PosesWithoutScaleAndFramesOfOneView) {
   spread.AddView(Pose(900.0F).data(), missing);
   spread.AddView(Pose(900.0F).data(), Scale(-1.0));
   spread.EndFrame();
-  spread.EndFrame();  // nobody saw this one
+  spread.EndFrame();  // seen by no view
   const CanonicalReport report = spread.Finish();
   EXPECT_EQ(report.poses, 1);
   EXPECT_EQ(report.left_out, 1);

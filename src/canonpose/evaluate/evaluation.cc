@@ -95,8 +95,9 @@ PoseErrors Evaluation::Add(const PoseSource& source, const float* predicted, con
 
 Weighting Evaluation::PossibleWeighting(std::vector<std::string>* warnings) const {
   if (protocol_.weighting != Weighting::kActions || actions_.count("") == 0) return protocol_.weighting;
-  warnings->push_back(fmt::format("{} takes means over actions, but the data do not name {}: means over poses instead",
-                                  protocol_.name, actions_.size() == 1 ? "any" : "those of all poses"));
+  warnings->push_back(
+      fmt::format("{} takes means over actions, but the data do not name {}; using means over poses instead",
+                  protocol_.name, actions_.size() == 1 ? "any" : "those of all poses"));
   return Weighting::kPoses;
 }
 
@@ -120,7 +121,8 @@ std::string Evaluation::ProtocolText(Weighting weighting) const {
   std::string text = fmt::format(
       "{}: {}, each by itself, where its truth has the root ({}) and at least {} of {} joints; N-MPJPE, PCK and AUC "
       "after "
-      "centring on the root and one scale factor a pose, PMPJPE and CPS after similarity alignment without reflection",
+      "centring on the root and one scale factor per pose, PMPJPE and CPS after similarity alignment without "
+      "reflection",
       protocol.name, PosesInWords(protocol), names_[root], LeastKnownJoints(included), included);
   text +=
       fmt::format("; {} and joints{}", WeightingInWords(protocol), joints_.included[root] ? ", the root included" : "");
@@ -140,14 +142,14 @@ std::string Evaluation::ProtocolText(Weighting weighting) const {
 
 EvaluationReport Evaluation::Finish(const ReferenceKind& reference, const std::string& file) const {
   if (all_.Mean().poses == 0) {
-    ThrowBadInput({file, "", "at least one pose that is known and predicted",
+    ThrowBadInput({file, "", "at least one pose that is both known and predicted",
                    fmt::format("{} not predicted, {} with too little truth", missing_predictions_, unusable_truths_),
                    ""});
   }
   EvaluationReport report;
   const Weighting weighting = PossibleWeighting(&report.warnings);
   if (!missing_pck_joints_.empty()) {
-    report.warnings.push_back(fmt::format("{} counts joints for PCK and AUC that are not there or left out: {}",
+    report.warnings.push_back(fmt::format("{} counts joints for PCK and AUC that are missing or left out: {}",
                                           protocol_.name, fmt::join(missing_pck_joints_, ", ")));
   }
   report.rules = protocol_;

@@ -1,4 +1,4 @@
-// Evaluating many poses by a protocol.
+// Evaluates many poses by a protocol.
 #pragma once
 
 #include <cstdint>
@@ -13,22 +13,22 @@
 
 namespace canonpose {
 
-/// Takes poses one by one and sums them up.
+/// Takes poses one by one and accumulates their errors.
 class Evaluation {
  public:
-  /// `left_out` are names of joints, in whatever case. Throws Error(kInvalidArgument) where one is unknown or none
-  /// would be left.
+  /// `left_out` are names of joints, ignoring case. Throws Error(kInvalidArgument) where one is unknown or no joint
+  /// would remain.
   Evaluation(std::vector<std::string> joint_names, int root, const std::vector<std::string>& left_out,
              Protocol protocol = FindProtocol(kAllFrames));
 
-  /// From now on every pose's errors are added to `frame_errors` too, which must outlive this object.
+  /// Also adds every further pose's errors to `frame_errors`, which must outlive this object.
   void KeepFrameErrors(FrameErrors* frame_errors) { frame_errors_ = frame_errors; }
 
-  /// Both (J, 3); see ComparePoses(). Which poses the protocol wants is the caller's matter (selection.h). Returns what
-  /// they have been summed up as.
+  /// Adds a pose; both arrays are (J, 3), see ComparePoses(). Selecting the poses that the protocol evaluates is up to
+  /// the caller (selection.h). Returns the errors that were added.
   PoseErrors Add(const PoseSource& source, const float* predicted, const float* truth);
 
-  /// Throws Error(kBadInput) naming `file` where no pose could be evaluated.
+  /// Throws Error(kBadInput) that names `file` if no pose could be evaluated.
   [[nodiscard]] EvaluationReport Finish(const ReferenceKind& reference, const std::string& file) const;
 
   [[nodiscard]] const std::vector<std::string>& joint_names() const { return names_; }
@@ -37,7 +37,7 @@ class Evaluation {
  private:
   void LeaveOut(const std::vector<std::string>& left_out);
   void FindPckJoints();
-  /// By poses where the protocol weights by actions and some pose has none; then it warns.
+  /// The protocol's weighting; by poses, with a warning, if the protocol weights by actions and some pose has none.
   [[nodiscard]] Weighting PossibleWeighting(std::vector<std::string>* warnings) const;
   [[nodiscard]] Metrics Weighted(Weighting weighting) const;
   [[nodiscard]] std::string ProtocolText(Weighting weighting) const;
@@ -49,7 +49,7 @@ class Evaluation {
   std::vector<std::string> missing_pck_joints_;
   MetricSum all_;
   std::map<std::string, MetricSum> sequences_;
-  std::map<std::string, MetricSum> actions_;  ///< "" holds the poses without one
+  std::map<std::string, MetricSum> actions_;  ///< "" has the poses without an action
   FrameErrors* frame_errors_ = nullptr;
   std::int64_t missing_predictions_ = 0;
   std::int64_t unusable_truths_ = 0;

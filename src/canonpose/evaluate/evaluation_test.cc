@@ -30,7 +30,7 @@ std::vector<float> OffBy(float mm) {
   return off;
 }
 
-TEST(EvaluationTest, ActionsCountTheSame) {
+TEST(EvaluationTest, ActionsHaveEqualWeights) {
   Evaluation evaluation(kNames, 0, {}, ByAction());
   const std::vector<float> off = OffBy(40.0F);
   for (const char* take : {"Walk", "Walk 1", "Walk 2"})
@@ -55,7 +55,7 @@ TEST(EvaluationTest, ActionsCountTheSame) {
   EXPECT_THAT(ReportAsTable(report), AllOf(HasSubstr("by action"), HasSubstr("(mean over poses)")));
 }
 
-TEST(EvaluationTest, WithoutActionsPosesCountTheSameAndAWarningSaysSo) {
+TEST(EvaluationTest, WithoutActionsPosesHaveEqualWeightsWithAWarning) {
   Evaluation evaluation(kNames, 0, {}, ByAction());
   evaluation.Add({"a", "c", 0, "Walk"}, kTruth.data(), kTruth.data());
   evaluation.Add({"b"}, OffBy(40.0F).data(), kTruth.data());
@@ -67,7 +67,7 @@ TEST(EvaluationTest, WithoutActionsPosesCountTheSameAndAWarningSaysSo) {
   EXPECT_THAT(ReportAsTable(report), HasSubstr("Warning: by-action takes means over actions"));
 }
 
-TEST(EvaluationTest, SequencesCountTheSame) {
+TEST(EvaluationTest, SequencesHaveEqualWeights) {
   Protocol protocol = ByAction();
   protocol.weighting = Weighting::kSequences;
   Evaluation evaluation(kNames, 0, {}, protocol);
@@ -90,7 +90,7 @@ TEST(EvaluationTest, PckJointsAreFoundByNameOrPart) {
   EXPECT_THAT(report.left_out_joints, ElementsAre("LHip"));
 }
 
-TEST(EvaluationTest, FrameErrorsGetWhatIsEvaluated) {
+TEST(EvaluationTest, FrameErrorsContainEvaluatedPoses) {
   Evaluation evaluation(kNames, 0, {});
   FrameErrors frame_errors;
   evaluation.KeepFrameErrors(&frame_errors);

@@ -6,14 +6,14 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/npz.h"
 
 namespace canonpose {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// RFC 4180: quoted where a comma, a quote or a line end would be read as the file's own.
+/// A cell as in RFC 4180: quoted if it contains a comma, a quote or a line end.
 std::string CsvField(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";

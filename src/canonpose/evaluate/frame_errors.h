@@ -1,4 +1,4 @@
-// The errors of every single pose, for whoever wants to look at the worst or to count otherwise.
+// The errors of every single pose, for looking at the worst ones or computing other statistics.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace canonpose {
 
-/// Where a pose comes from.
+/// The source of a pose.
 struct PoseSource {
   std::string sequence;
   std::string camera = {};
-  std::int64_t frame = 0;   ///< of the sequence as the file has it, counted from 0
+  std::int64_t frame = 0;   ///< of the sequence in its file, counted from 0
   std::string action = {};  ///< empty where unknown
 };
 
@@ -23,16 +23,17 @@ class FrameErrors {
   /// Throws Error(kInvalidArgument) where `path` ends in neither .csv nor .npz.
   static void RequireFormat(const std::filesystem::path& path);
 
-  /// How many poses there are.
+  /// The number of poses.
   [[nodiscard]] std::size_t size() const { return rows_.size(); }
 
-  /// A pose whose outcome is kEvaluated.
+  /// Adds a pose whose outcome is kEvaluated.
   void Add(const PoseSource& source, const PoseErrors& errors, bool mirrored);
 
-  /// Writes a row a pose, in the order they were added; the file appears as a whole. Throws Error(kBadInput).
+  /// Writes one row per pose, in the order in which they were added. The file appears as a whole. Throws
+  /// Error(kBadInput).
   ///
   /// .csv: sequence, camera, frame, action, n_mpjpe_mm, p_mpjpe_mm, largest_aligned_mm, mirrored (0 or 1), with four
-  /// decimals. .npz: the same as arrays (N), and besides joints (J), n_error_mm and p_error_mm (N, J): each joint's
+  /// decimals. .npz: the same as arrays (N), and also joints (J), n_error_mm and p_error_mm (N, J): each joint's
   /// distance after the scale adjustment and after similarity alignment, NaN where unknown or left out.
   void Write(const std::filesystem::path& path, const std::vector<std::string>& joints) const;
 

@@ -5,7 +5,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/testing.h"
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/npz.h"
 
 namespace canonpose {
 namespace {
@@ -27,7 +27,7 @@ FrameErrors Sample() {
   return frame_errors;
 }
 
-TEST(FrameErrorsTest, CsvHasARowAPose) {
+TEST(FrameErrorsTest, CsvHasOneRowPerPose) {
   const TemporaryFolder folder;
   Sample().Write(folder / "errors.csv", {"Hip", "A", "B"});
   EXPECT_EQ(ReadFile(folder / "errors.csv"),
@@ -36,7 +36,7 @@ TEST(FrameErrorsTest, CsvHasARowAPose) {
             "S9,cam2,128,,5.0000,251.1250,500.2500,1\n");
 }
 
-TEST(FrameErrorsTest, NpzHasTheJointsToo) {
+TEST(FrameErrorsTest, NpzAlsoHasTheJoints) {
   const TemporaryFolder folder;
   Sample().Write(folder / "errors.npz", {"Hip", "A", "B"});
   const NpzReader reader(folder / "errors.npz");

@@ -23,14 +23,14 @@ Eigen::RowVector3d Point(const float* pose, std::size_t joint) {
   return {pose[3 * joint], pose[3 * joint + 1], pose[3 * joint + 2]};
 }
 
-/// Share of the thresholds 0, 5, ..., 150 that the error is below.
+/// Fraction of the thresholds 0, 5, ..., 150 that exceed the error.
 double AreaOf(double error_mm) {
   int below = 0;
   for (int i = 0; i < kAucThresholds; ++i) below += error_mm < kAucStepMm * i ? 1 : 0;
   return static_cast<double>(below) / kAucThresholds;
 }
 
-/// Counts an error at the first of the thresholds 1, 2, ... that it is below.
+/// Counts an error at the first of the thresholds 1, 2, ... that exceeds it.
 void CountFrom(double error_mm, std::array<std::int64_t, kCurveThresholds>& histogram) {
   if (error_mm < kCurveThresholds) ++histogram[static_cast<std::size_t>(error_mm)];
 }
@@ -134,7 +134,7 @@ PoseMeans MeansOf(const PoseErrors& errors) {
 }
 
 void MetricSum::Add(const PoseErrors& errors) {
-  CANONPOSE_CHECK(errors.outcome == PoseOutcome::kEvaluated, "only evaluated poses are summed up");
+  CANONPOSE_CHECK(errors.outcome == PoseOutcome::kEvaluated, "only evaluated poses can be added");
   joints_.resize(errors.scaled_mm.size());
   double largest_mm = 0.0;
   for (std::size_t j = 0; j < errors.scaled_mm.size(); ++j) {

@@ -71,12 +71,12 @@ TEST(MetricsTest, PckAucAndCpsByHand) {
   EXPECT_DOUBLE_EQ(mean.n_mpjpe_mm, 311.0 / 4.0);
   EXPECT_DOUBLE_EQ(mean.p_mpjpe_mm, 470.0 / 8.0);
   EXPECT_DOUBLE_EQ(mean.pck_percent, 75.0) << "150 mm off is not below 150 mm";
-  // Of the thresholds 0, 5, ..., 150: 0 lies below 30, 150 below none, 149 below one, 12 below 28 (15 to 150).
+  // Of the thresholds 0, 5, ..., 150, 30 exceed 0, none exceeds 150, one exceeds 149, and 28 (15 to 150) exceed 12.
   EXPECT_DOUBLE_EQ(mean.auc_percent, 100.0 * (30 + 0 + 1 + 28) / (4 * 31));
   EXPECT_DOUBLE_EQ(mean.cps, (200.0 + 0.0) / 2.0);
 }
 
-TEST(MetricsTest, CurvesAreSharesBelowEachThreshold) {
+TEST(MetricsTest, CurvesAreFractionsBelowEachThreshold) {
   PoseErrors a;
   a.outcome = PoseOutcome::kEvaluated;
   a.scaled_mm = {0.0, 299.5, 150.0, 700.0};
@@ -98,7 +98,7 @@ TEST(MetricsTest, CurvesAreSharesBelowEachThreshold) {
   EXPECT_DOUBLE_EQ(mean.cps_curve_percent[299], 50.0);
 }
 
-TEST(MetricsTest, PckCountsTheJointsItIsToldTo) {
+TEST(MetricsTest, PckCountsOnlyTheGivenJoints) {
   PoseErrors errors;
   errors.outcome = PoseOutcome::kEvaluated;
   errors.scaled_mm = {0.0, 90.0, 110.0, NAN};
@@ -116,7 +116,7 @@ TEST(MetricsTest, PckCountsTheJointsItIsToldTo) {
   EXPECT_DOUBLE_EQ(of_pose.largest_aligned_mm, 2.0);
 }
 
-TEST(MetricsTest, GroupsCountTheSameWhateverTheirSize) {
+TEST(MetricsTest, GroupsHaveEqualWeightsWhateverTheirSize) {
   PoseErrors good;
   good.outcome = PoseOutcome::kEvaluated;
   good.scaled_mm = {0.0, 10.0};
@@ -139,7 +139,7 @@ TEST(MetricsTest, GroupsCountTheSameWhateverTheirSize) {
   EXPECT_DOUBLE_EQ(mean.joints[1].p_mpjpe_mm, 52.5);
 }
 
-TEST(MetricsTest, CpsIsTheAreaUnderTheShareOfCorrectPoses) {
+TEST(MetricsTest, CpsIsTheAreaUnderTheFractionOfCorrectPoses) {
   Rng rng(1);
   MetricSum sum;
   std::vector<double> largest_mm;
@@ -179,7 +179,7 @@ TEST(MetricsTest, InvariantToWhatTheyShouldBe) {
   }
 }
 
-TEST(MetricsTest, APerfectPoseHasNoErrorAndAMirroredOneALarge) {
+TEST(MetricsTest, APerfectPoseHasNoErrorAndAMirroredPoseALargeOne) {
   Rng rng(3);
   const Pose truth = RandomPose(rng);
   const PoseErrors perfect = Compare(Transformed(truth, 0.01, Eigen::Matrix3d::Identity(), {1.0, 2.0, 3.0}), truth);
@@ -202,14 +202,14 @@ TEST(MetricsTest, DepthsAreComparedAfterScalingByTheImagePlaneAlone) {
   }
 }
 
-TEST(MetricsTest, UnknownJointsTakeNoPart) {
+TEST(MetricsTest, UnknownJointsAreIgnored) {
   Rng rng(4);
   const Pose truth = RandomPose(rng);
   const Pose predicted = RandomPose(rng);
   Pose partly = truth;
   partly[3 * 5 + 1] = NAN;
   Pose without = predicted;
-  without[3 * 5] = 1e6F;  // whatever stands there
+  without[3 * 5] = 1e6F;  // any value
   const PoseErrors errors = Compare(without, partly);
   ASSERT_EQ(errors.outcome, PoseOutcome::kEvaluated);
   EXPECT_TRUE(std::isnan(errors.scaled_mm[5]));

@@ -29,7 +29,7 @@ Protocol HumanProtocol(const std::string& name, const std::string& summary, Head
 Protocol InfProtocol() {
   Protocol protocol;
   protocol.name = "3dhp";
-  protocol.summary = "MPI-INF-3DHP, to be given its test set: every frame with truth; PCK150 and AUC of 14 joints";
+  protocol.summary = "MPI-INF-3DHP, for its test set: every frame with truth; PCK150 and AUC of 14 joints";
   protocol.headline = Headline::kPck;
   protocol.truth_kind = "univ_annot3";
   protocol.pck.joints = {{"head_top", "headtop"}, {"neck", "thorax"}};
@@ -42,10 +42,10 @@ Protocol InfProtocol() {
 std::vector<Protocol> MakeProtocols() {
   Protocol all;
   all.name = kAllFrames;
-  all.summary = "every frame of every subject, every pose counting the same";
+  all.summary = "every frame of every subject, with equal weights for all poses";
   Protocol ski;
   ski.name = "skipose";
-  ski.summary = "Ski-PosePTZ, to be given the rows of its test part";
+  ski.summary = "Ski-PosePTZ, for the rows of its test part";
   return {all,
           HumanProtocol("h36m-1", "Human3.6M, subjects S9 and S11, every 64th frame, mean over actions: N-MPJPE",
                         Headline::kNMpjpe),
@@ -53,7 +53,7 @@ std::vector<Protocol> MakeProtocols() {
           InfProtocol(), ski};
 }
 
-/// Empty where all take part.
+/// The names of the counted joints; empty if all are.
 std::vector<std::string> PckJointNames(const Protocol& protocol) {
   std::vector<std::string> names;
   for (const std::vector<std::string>& joint : protocol.pck.joints) names.push_back(joint.front());
@@ -79,7 +79,7 @@ const Protocol& FindProtocol(const std::string& name) {
   }
   std::vector<std::string> lines;
   for (const Protocol& protocol : Protocols()) lines.push_back(fmt::format("{}: {}", protocol.name, protocol.summary));
-  ThrowInvalidArgument("`protocol` {}: there is none of this name; there are\n  {}", name, fmt::join(lines, "\n  "));
+  ThrowInvalidArgument("there is no `protocol` {}; the protocols are\n  {}", name, fmt::join(lines, "\n  "));
 }
 
 std::string HeadlineName(const Protocol& protocol) {
@@ -123,11 +123,11 @@ std::string WeightingInWords(const Protocol& protocol) {
     case Weighting::kPoses:
       return "means over all poses";
     case Weighting::kSequences:
-      return "means over sequences of the means over each one's poses";
+      return "means over sequences of the means over their poses";
     case Weighting::kActions:
       return protocol.merge_takes ? "means over actions (takes such as \"Walking 1\" belong to \"Walking\") of the "
-                                    "means over each one's poses"
-                                  : "means over actions of the means over each one's poses";
+                                    "means over their poses"
+                                  : "means over actions of the means over their poses";
   }
   return "";
 }
@@ -139,7 +139,7 @@ std::string ProtocolList() {
     text += fmt::format("  poses     {}\n", PosesInWords(protocol));
     text += fmt::format("  truth     {}\n", protocol.truth_kind.empty() ? "any" : protocol.truth_kind);
     text +=
-        "  errors    N-MPJPE, PCK, AUC after centring on the root and one scale factor a pose; PMPJPE, CPS after "
+        "  errors    N-MPJPE, PCK, AUC after centring on the root and one scale factor per pose; PMPJPE, CPS after "
         "similarity alignment\n";
     text += fmt::format("  PCK       {}\n", PckInWords(protocol));
     text += fmt::format("  means     {}\n", WeightingInWords(protocol));

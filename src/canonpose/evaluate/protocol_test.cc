@@ -20,14 +20,14 @@ TEST(ProtocolTest, TheDefaultTakesEverything) {
   EXPECT_TRUE(all.pck.joints.empty());
 }
 
-TEST(ProtocolTest, SubjectsAndNamesAreFoundInWhateverCase) {
+TEST(ProtocolTest, SubjectsAndNamesAreFoundInAnyCase) {
   const Protocol& human = FindProtocol("H36M-1");
   EXPECT_EQ(human.name, "h36m-1");
   EXPECT_TRUE(HasSubject(human, "s11"));
   EXPECT_FALSE(HasSubject(human, "S1"));
 }
 
-TEST(ProtocolTest, AnUnknownNameListsThoseThereAre) {
+TEST(ProtocolTest, AnUnknownNameListsTheProtocols) {
   try {
     FindProtocol("h36m");
     FAIL() << "no Error was thrown";
@@ -39,7 +39,7 @@ TEST(ProtocolTest, AnUnknownNameListsThoseThereAre) {
   }
 }
 
-TEST(ProtocolTest, EveryValueIsToldInWords) {
+TEST(ProtocolTest, EveryValueIsDescribedInWords) {
   const std::string list = ProtocolList();
   EXPECT_THAT(list,
               AllOf(HasSubstr("h36m-2: "), HasSubstr("frames 0, 64, 128, ... of every sequence and view of S9 and"),
@@ -50,7 +50,7 @@ TEST(ProtocolTest, EveryValueIsToldInWords) {
   EXPECT_EQ(HeadlineName(FindProtocol("3dhp")), "PCK150");
 }
 
-TEST(ProtocolTest, TakesOfAnActionAreOneWhereTheProtocolSaysSo) {
+TEST(ProtocolTest, TakesOfAnActionAreMergedIfTheProtocolSaysSo) {
   const Protocol& human = FindProtocol("h36m-1");
   EXPECT_EQ(ActionOf(human, "Walking 1"), "Walking");
   EXPECT_EQ(ActionOf(human, "Walking"), "Walking");

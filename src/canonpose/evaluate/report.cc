@@ -51,30 +51,30 @@ double MirroredPercent(const EvaluationReport& report) {
   return 100.0 * static_cast<double>(report.mirrored) / static_cast<double>(report.metrics.poses);
 }
 
-/// What was compared with what, and what is to be known about that.
+/// What was compared with what, and what a reader should know about it.
 std::string Heading(const EvaluationReport& report) {
   std::string text = fmt::format("Protocol: {}\n", report.protocol);
   text += fmt::format("Reference: {}", report.reference.description);
   if (!report.truth_kind.empty()) text += fmt::format(" ({})", report.truth_kind);
   if (report.reference.reprojection_px) {
     text += fmt::format(
-        "; its own reprojection error is {:.1f} px (median; mean {:.1f} px), so the figures hold only to that",
+        "; its own reprojection error is {:.1f} px (median; mean {:.1f} px), which limits the accuracy of the figures",
         report.reference.reprojection_px->median_px, report.reference.reprojection_px->mean_px);
   }
   text += fmt::format("\nPoses: {}", report.metrics.poses);
   if (report.missing_predictions > 0) text += fmt::format("; {} more were not predicted", report.missing_predictions);
   if (report.unusable_truths > 0) text += fmt::format("; {} more have too little truth", report.unusable_truths);
   if (report.left_out_sequences > 0) {
-    text += fmt::format("; {} sequences of other subjects than {} were left out", report.left_out_sequences,
+    text += fmt::format("; {} sequences of subjects other than {} were left out", report.left_out_sequences,
                         fmt::join(report.rules.subjects, " and "));
   }
   text += fmt::format("\nMirrored in depth: {:.1f} % of the poses", MirroredPercent(report));
   if (2 * report.mirrored > report.metrics.poses)
-    text += " (train again with `mirror` flip, or keep where `info` says it was flipped)";
+    text += " (train again with `mirror` flip, or with keep if `info` reports that it was flipped)";
   text += fmt::format("\nDepth of the poses: {:.2f} times the truth's", report.depth_extent_ratio);
   if (report.cameras) {
     text += fmt::format(
-        "\nCameras: relative rotations {:.2f} degrees off ({:.2f} about the axes that were solved for), focal "
+        "\nCameras: relative rotations are {:.2f} degrees off ({:.2f} relative to the solved optical axes), focal "
         "lengths {:.1f} % (medians)",
         report.cameras->relative_rotation_deg, report.cameras->centred_rotation_deg, report.cameras->focal_percent);
   }
@@ -97,7 +97,7 @@ std::string Rows(const std::string& title, const Groups& groups) {
 std::string CanonicalTable(const CanonicalReport& canonical) {
   std::string text = fmt::format(
       "\n  canonical poses, deviations in mm{}\n  {:<24}{:>10}{:>10}{:>10}\n",
-      canonical.left_out > 0 ? fmt::format(" (without {} that point away from their truth)", canonical.left_out) : "",
+      canonical.left_out > 0 ? fmt::format(" (except {} that point away from their truth)", canonical.left_out) : "",
       "", "all", "views", "frames");
   const auto row = [](const std::string& name, const CanonicalDeviations& joint) {
     return fmt::format("  {:<24}{:>10.1f}{:>10.1f}{:>10.1f}\n", name, joint.std_mm, joint.views_mm, joint.frames_mm);
@@ -108,7 +108,7 @@ std::string CanonicalTable(const CanonicalReport& canonical) {
     return text + fmt::format("  hips: right {:.1f} mm, left {:.1f} mm (standard deviation over all poses)\n",
                               *canonical.right_hip_std_mm, *canonical.left_hip_std_mm);
   }
-  return text + "  hips: the skeleton names none\n";
+  return text + "  hips: the skeleton has none\n";
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 
 #include "canonpose/base/testing.h"
 #include "canonpose/evaluate/evaluation.h"
-#include "canonpose/evaluate/reference.h"
 
 namespace canonpose {
 namespace {
@@ -85,84 +84,6 @@ TEST(ReportTest, NothingToEvaluateIsAnError) {
                         (void)Evaluation(kNames, 0, {}).Finish({"truth", {}}, "a.h5");
                       }),
               HasSubstr("a.h5"));
-}
-
-// ---------------------------------------------------------------------------------------------------------- reference
-
-/// Two cameras a right angle apart that see three points exactly.
-Dataset TwoCameras() {
-  Dataset dataset;
-  dataset.skeleton = {"", {"Hip", "L", "R"}, {-1, 0, 0}, 0, {0, 2, 1}};
-  Sequence sequence{"walk", "S1", 50.0, true, "S1", 1, {}};
-  for (int c = 0; c < 2; ++c) {
-    Camera camera;
-    camera.K << 1000, 0, 500, 0, 1000, 500, 0, 0, 1;
-    camera.distortion = {-0.05, 0.01, 0.001, 0.0};
-    if (c == 1) camera.camera_from_world_rotation << 0, 0, 1, 0, 1, 0, -1, 0, 0;
-    camera.camera_from_world_translation = {0, 0, 4000};
-    CameraView view;
-    view.name = c == 0 ? "a" : "b";
-    view.image_size = {1000, 1000};
-    view.calibration = {camera};
-    for (const Eigen::Vector3d& point :
-         {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(200, 300, 100), Eigen::Vector3d(-100, 50, 10)}) {
-      const Eigen::Vector2d pixel = camera.Project(point);
-      view.keypoints.insert(view.keypoints.end(), {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())});
-      view.confidence.push_back(0.8F);
-    }
-    sequence.cameras.push_back(view);
-  }
-  dataset.sequences.push_back(sequence);
-  return dataset;
-}
-
-TEST(ReferenceTest, TriangulatesIntoTheCamerasFrames) {
-  const Dataset dataset = TwoCameras();
-  const ReferencePoses reference(dataset, "a.h5");
-  EXPECT_TRUE(reference.triangulated());
-  const std::vector<float>& a = reference.sequences()[0].poses_in_camera[0];
-  const std::vector<float>& b = reference.sequences()[0].poses_in_camera[1];
-  EXPECT_NEAR(a[3], 200.0F, 0.05F);
-  EXPECT_NEAR(a[4], 300.0F, 0.05F);
-  EXPECT_NEAR(a[5], 4100.0F, 0.05F);
-  EXPECT_NEAR(b[3], 100.0F, 0.05F);
-  EXPECT_NEAR(b[5], 3800.0F, 0.05F);
-  ReferenceSummary summary;
-  summary.Add(reference);
-  EXPECT_LT(summary.Kind().reprojection_px->median_px, 0.01);
-  EXPECT_EQ(summary.Kind().description, "triangulated from the calibration");
-}
-
-TEST(ReferenceTest, AJointThatOneViewMissesIsUnknown) {
-  Dataset dataset = TwoCameras();
-  dataset.sequences[0].cameras[1].confidence[2] = 0.0F;
-  const ReferencePoses reference(dataset, "a.h5");
-  EXPECT_TRUE(std::isnan(reference.sequences()[0].poses_in_camera[0][6]));
-  EXPECT_EQ(reference.reprojection_errors_px().size(), 4U) << "two joints in two views";
-}
-
-TEST(ReferenceTest, RaysThatAreNearlyParallelGiveNothing) {
-  Dataset dataset = TwoCameras();
-  dataset.sequences[0].cameras[1] = dataset.sequences[0].cameras[0];
-  dataset.sequences[0].cameras[1].calibration[0].camera_from_world_translation.x() += 50.0;
-  const ReferencePoses reference(dataset, "a.h5");
-  EXPECT_TRUE(std::isnan(reference.sequences()[0].poses_in_camera[0][0]));
-}
-
-TEST(ReferenceTest, TruthGoesBeforeCalibration) {
-  Dataset dataset = TwoCameras();
-  dataset.sequences[0].cameras[0].truth.assign(9, 1.0F);
-  const ReferencePoses reference(dataset, "a.h5");
-  EXPECT_FALSE(reference.triangulated());
-  EXPECT_EQ(reference.sequences()[0].poses_in_camera[0].front(), 1.0F);
-  EXPECT_TRUE(reference.sequences()[0].poses_in_camera[1].empty());
-}
-
-TEST(ReferenceTest, NeitherIsAnError) {
-  Dataset dataset = TwoCameras();
-  for (CameraView& view : dataset.sequences[0].cameras) view.calibration.clear();
-  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReferencePoses(dataset, "a.h5"); }),
-              AllOf(HasSubstr("a.h5"), HasSubstr("`calibration`")));
 }
 
 }  // namespace

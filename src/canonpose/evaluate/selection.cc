@@ -5,7 +5,7 @@
 namespace canonpose {
 namespace {
 
-/// Keeps rows first, first + step, ... of an array with one row a frame.
+/// Keeps rows first, first + step, ... of an array with one row per frame.
 template <typename T>
 void KeepRows(std::vector<T>& values, int frame_count, int first, int step) {
   const std::size_t row = values.size() / static_cast<std::size_t>(frame_count);

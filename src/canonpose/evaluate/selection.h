@@ -10,13 +10,13 @@
 
 namespace canonpose {
 
-/// What was selected of one dataset, and what was not.
+/// What was selected from one dataset, and what was not.
 struct Selection {
   std::int64_t first_frame = 0;  ///< the number that the first frame of every sequence had in its file
   std::int64_t frame_step = 1;
   std::int64_t left_out_sequences = 0;
-  std::vector<std::string> left_out_subjects;  ///< whose they were, each once
-  std::int64_t sequences_too_short = 0;        ///< those of the right subjects without any frame to evaluate
+  std::vector<std::string> left_out_subjects;  ///< their subjects, each once
+  std::int64_t sequences_too_short = 0;        ///< sequences of evaluated subjects without any frame to evaluate
 
   /// The number of a selected frame in its file, counted from 0.
   [[nodiscard]] std::int64_t FrameNumber(std::size_t index) const {
@@ -24,11 +24,11 @@ struct Selection {
   }
 };
 
-/// What is done in a frame of a sequence, counted as the sequence now is; empty where unknown.
+/// The action in a frame of a sequence, as an index into the current sequence; empty if unknown.
 std::string ActionIn(const Sequence& sequence, std::size_t frame);
 
-/// Leaves in `dataset` what `protocol` evaluates, which may be nothing. `first_frame` is the number in the file of the
-/// first frame that the dataset still has, after KeepFrames().
+/// Reduces `dataset` to what `protocol` evaluates, which may be nothing. `first_frame` is the number in the file of the
+/// dataset's first frame, after KeepFrames().
 Selection SelectPoses(Dataset& dataset, const Protocol& protocol, int first_frame);
 
 }  // namespace canonpose

@@ -50,9 +50,9 @@ TEST(SelectionTest, SubjectsAndFrames) {
   EXPECT_EQ(selection.FrameNumber(2), 10);
 }
 
-TEST(SelectionTest, FramesCountFromTheFilesFirst) {
+TEST(SelectionTest, FramesAreCountedFromTheFilesFirstFrame) {
   Dataset dataset;
-  dataset.sequences.push_back(Recorded("S9", 7, 10));  // as --frames 7-16 leaves them
+  dataset.sequences.push_back(Recorded("S9", 7, 10));  // as after KeepFrames() with 7-16
   dataset.sequences.push_back(Recorded("S11", 7, 4));  // 7 to 10
   const Selection selection = SelectPoses(dataset, EveryFifthFrom(2), 7);
   ASSERT_EQ(dataset.sequences.size(), 2U);
@@ -61,23 +61,23 @@ TEST(SelectionTest, FramesCountFromTheFilesFirst) {
 
   dataset.sequences = {Recorded("S11", 8, 4)};
   EXPECT_EQ(SelectPoses(dataset, EveryFifthFrom(2), 8).sequences_too_short, 1);
-  EXPECT_TRUE(dataset.sequences.empty()) << "frame 12 is not there";
+  EXPECT_TRUE(dataset.sequences.empty()) << "there is no frame 12";
 }
 
-TEST(SelectionTest, ActionsGoWithTheirFrames) {
+TEST(SelectionTest, ActionsStayWithTheirFrames) {
   Dataset dataset;
   dataset.sequences.push_back(Recorded("S9", 0, 11));
   Sequence& sequence = dataset.sequences.front();
   EXPECT_EQ(ActionIn(sequence, 5), "");
   sequence.actions = {"sit", "eat"};
-  EXPECT_EQ(ActionIn(sequence, 5), "sit") << "the first, where frames do not tell";
+  EXPECT_EQ(ActionIn(sequence, 5), "sit") << "the first action, if frames have none";
   sequence.action = {0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0};
   SelectPoses(dataset, EveryFifthFrom(0), 0);
   EXPECT_EQ(ActionIn(sequence, 0), "sit");
   EXPECT_EQ(ActionIn(sequence, 1), "eat");
 }
 
-TEST(SelectionTest, TheDefaultLeavesDataAsTheyAre) {
+TEST(SelectionTest, TheDefaultKeepsAllData) {
   Dataset dataset;
   dataset.sequences.push_back(Recorded("S1", 3, 4));
   const Selection selection = SelectPoses(dataset, FindProtocol(kAllFrames), 3);

@@ -12,12 +12,14 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
-#include "canonpose/simulate/readers/channels.h"
+#include "canonpose/geometry/angles.h"
+#include "canonpose/motion/channels.h"
 
 namespace canonpose {
 namespace {
 
 constexpr double kCmPerMm = 0.1;
+constexpr double kDegPerRad = DegFromRad(1.0);
 
 /// Angles of R = Rz(angles[0]) * Rx(angles[1]) * Ry(angles[2]), rad.
 using Angles = std::array<double, 3>;
@@ -27,15 +29,15 @@ double NearestTurn(double angle, double to) {
   return angle + kTurn * std::round((to - angle) / kTurn);
 }
 
-/// Each angle is taken from what is left after the one before, so that their product is the rotation also where x is
-/// near a right angle and z and y are about the same axis; there z stays what it was.
+/// Each angle is computed from the rotation that remains after the previous one, so that their product is the rotation
+/// even where x is near a right angle and z and y rotate about the same axis; there z keeps its previous value.
 Angles AnglesOf(const Eigen::Matrix3d& rotation, const Angles& before) {
   const double cosine = std::hypot(rotation(0, 1), rotation(1, 1));
   const double z = cosine < 1e-7 ? before[0] : std::atan2(-rotation(0, 1), rotation(1, 1));
   const Eigen::Matrix3d rest = RotationAbout(2, -z).toRotationMatrix() * rotation;  // Rx * Ry
   const double x = std::atan2(rest(2, 1), rest(1, 1));
   const double y = std::atan2(rest(0, 2), rest(0, 0));
-  // The other three angles of the same rotation.
+  // The same rotation also has other angles.
   const std::array<Angles, 2> ways = {{{z, x, y}, {z + std::numbers::pi, std::numbers::pi - x, y + std::numbers::pi}}};
   Angles nearest{};
   double smallest = -1.0;
@@ -100,7 +102,7 @@ class BvhWriter {
     AddLine(depth, "}");
   }
 
-  /// A walk through the tree with a stack of its own; a joint is on it once to be opened and once to be closed.
+  /// Traverses the tree with an explicit stack; each joint is on it once to be opened and once to be closed.
   void AddJoints() {
     struct Step {
       std::size_t joint;
@@ -143,7 +145,7 @@ class BvhWriter {
     for (std::size_t i = 0; i < order_.size(); ++i) {
       const Eigen::Quaterniond& rotation = motion_.parent_from_joint[frame * motion_.joints.size() + order_[i]];
       angles[i] = AnglesOf(YUpFromZUp(rotation.normalized()).toRotationMatrix(), angles[i]);
-      for (const double angle : angles[i]) fmt::format_to(out, " {:.6f}", angle * (180.0 / std::numbers::pi));
+      for (const double angle : angles[i]) fmt::format_to(out, " {:.6f}", angle * kDegPerRad);
     }
     text_ += '\n';
   }

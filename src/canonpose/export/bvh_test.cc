@@ -15,27 +15,21 @@
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/random.h"
 #include "canonpose/base/testing.h"
-#include "canonpose/simulate/mocap.h"
+#include "canonpose/motion/landmark_mapping.h"
+#include "canonpose/motion/motion_files.h"
+#include "canonpose/motion/motion_testing.h"
+#include "canonpose/motion/readers/bvh.h"
 
 namespace canonpose {
 namespace {
 
 using Eigen::Vector3d;
 using testing::ErrorOf;
+using testing::PositionsByName;
 using testing::Shared;
 using testing::TemporaryFolder;
 
 constexpr double kToleranceMm = 0.1;
-
-/// Positions of a frame by the joints' names.
-std::map<std::string, Vector3d> PositionsOf(const ArticulatedMotion& motion, int frame) {
-  std::vector<Vector3d> positions;
-  std::vector<Eigen::Quaterniond> rotations;
-  ForwardKinematics(motion, frame, positions, rotations);
-  std::map<std::string, Vector3d> by_name;
-  for (std::size_t j = 0; j < positions.size(); ++j) by_name[motion.joints[j].name] = positions[j];
-  return by_name;
-}
 
 /// The largest distance between the joints of both, which must have the same names and parents; mm.
 double LargestDifference(const ArticulatedMotion& a, const ArticulatedMotion& b) {
@@ -51,8 +45,8 @@ double LargestDifference(const ArticulatedMotion& a, const ArticulatedMotion& b)
   EXPECT_EQ(parents(a), parents(b));
   double largest = 0.0;
   for (int t = 0; t < std::min(a.frame_count(), b.frame_count()); ++t) {
-    const std::map<std::string, Vector3d> of_b = PositionsOf(b, t);
-    for (const auto& [name, position] : PositionsOf(a, t))
+    const std::map<std::string, Vector3d> of_b = PositionsByName(b, t);
+    for (const auto& [name, position] : PositionsByName(a, t))
       largest = std::max(largest, (position - of_b.at(name)).norm());
   }
   return largest;
@@ -64,8 +58,8 @@ ArticulatedMotion WriteAndRead(const ArticulatedMotion& motion, double unit_mm) 
   return ReadBvh(folder / "clip.bvh", unit_mm);
 }
 
-/// A chain of 12 joints a metre apart with side branches and leaves of every kind, turned at random; every third
-/// rotation is at or next to the angles where z and y turn about the same axis.
+/// A chain of 12 joints one metre apart, with side branches and leaves of every kind and random rotations; every third
+/// rotation is at or near gimbal lock, where z and y rotate about the same axis.
 ArticulatedMotion RandomMotion(int frames) {
   ArticulatedMotion motion;
   motion.fps = 50.0;
@@ -77,7 +71,7 @@ ArticulatedMotion RandomMotion(int frames) {
   motion.joints.push_back({"link 4_end", 4, Vector3d(1, 2, 3)});  // not the only child
   motion.joints.push_back({"hand", 2, Vector3d(10, 0, 0)});
   motion.joints.push_back({"hand_end", 16, Vector3d::Zero()});
-  motion.joints.push_back({"leaf_end", 1, Vector3d(0, 40, 0)});  // the end of nothing
+  motion.joints.push_back({"leaf_end", 1, Vector3d(0, 40, 0)});  // not the end of a joint "leaf"
   Rng rng(5);
   for (int t = 0; t < frames; ++t) {
     motion.root_position_mm.emplace_back(rng.Uniform(-5000, 5000), rng.Uniform(-5000, 5000), rng.Uniform(0, 2000));
@@ -97,15 +91,15 @@ ArticulatedMotion RandomMotion(int frames) {
   return motion;
 }
 
-TEST(WriteBvh, NamesAndPositionsComeBackAlsoDeepInTheTreeAndNearGimbalLock) {
+TEST(WriteBvh, NamesAndPositionsComeBackEvenDeepInTheTreeAndNearGimbalLock) {
   const ArticulatedMotion motion = RandomMotion(300);
   const ArticulatedMotion read = WriteAndRead(motion, 10.0);
   EXPECT_LT(LargestDifference(motion, read), 0.01);
   EXPECT_EQ(read.fps, 50.0);
 }
 
-TEST(WriteBvh, AnglesGoOnFromFrameToFrame) {
-  // Two whole turns about the upright, tilted by more than a right angle on the way.
+TEST(WriteBvh, AnglesAreContinuousOverFrames) {
+  // Two full turns about the vertical axis, with a tilt that exceeds a right angle on the way.
   ArticulatedMotion motion;
   motion.fps = 100.0;
   motion.joints = {{"root", -1, Vector3d::Zero()}, {"root_end", 0, Vector3d(0, 0, 1700)}};
@@ -134,7 +128,7 @@ TEST(WriteBvh, AnglesGoOnFromFrameToFrame) {
       before[i] = value;
     }
   }
-  EXPECT_GT(reached, 181.0);  // as angles that are cut at half a turn never do
+  EXPECT_GT(reached, 181.0);  // so angles are not limited to half a turn
   EXPECT_LT(LargestDifference(motion, ReadBvh(folder / "turn.bvh")), 0.01);
 }
 
@@ -143,14 +137,14 @@ TEST(WriteBvh, LeavesTheOldFileWhereItCannotWrite) {
               ::testing::HasSubstr("/nonexistent/a.bvh"));
 }
 
-// The two readers against each other: what one reads of a recorded clip, the other reads of the file written from it.
+// Compares the two readers: what one reads from a recorded clip, the other reads from the file written from it.
 TEST(WriteBvh, RecordedClipsComeBackThroughTheOtherReader) {
   CANONPOSE_SKIP_WITHOUT_SHARED("data/cmu");
   const std::vector<std::filesystem::path> files = FindMotionFiles({Shared("data/cmu")});
   ASSERT_FALSE(files.empty());
   for (const std::filesystem::path& file : files) {
     ArticulatedMotion motion = ReadMotion(file);
-    // Every 23rd frame, so that all clips take a second or two.
+    // Every 23rd frame, so that the test takes only a second or two.
     std::size_t kept = 0;
     const std::size_t joints = motion.joints.size();
     for (std::size_t t = 0; t < motion.root_position_mm.size(); t += 23, ++kept) {
@@ -161,7 +155,7 @@ TEST(WriteBvh, RecordedClipsComeBackThroughTheOtherReader) {
     }
     motion.root_position_mm.resize(kept);
     motion.parent_from_joint.resize(kept * joints);
-    const ArticulatedMotion read = WriteAndRead(motion, 0.0);  // and so is the unit recognised
+    const ArticulatedMotion read = WriteAndRead(motion, 0.0);  // which also recognises the unit
     EXPECT_LT(LargestDifference(motion, read), kToleranceMm) << file;
     const LandmarkTrack before = MakeLandmarkTrack(motion, "before");
     const LandmarkTrack after = MakeLandmarkTrack(read, "after");

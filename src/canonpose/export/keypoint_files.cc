@@ -17,13 +17,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Numbers as float, so that their shortest text reads back as the same bits.
+/// JSON with float numbers, whose shortest text reads back as the same bits.
 using Json = nlohmann::basic_json<std::map, std::vector, std::string, bool, std::int64_t, std::uint64_t, float>;
 
-/// One pose of a view as detectors flatten it.
+/// One pose of a view, flattened as in detectors' files.
 struct FlatPose {
   std::vector<float> triples;  ///< x, y, confidence of every joint; 0, 0, 0 where missing
-  bool is_seen = false;        ///< whether there is any joint
+  bool is_seen = false;        ///< whether any joint is seen
   float mean_confidence = 0.0F;
 };
 
@@ -52,7 +52,7 @@ std::size_t FrameCount(const CameraView& view, int joint_count) {
   return view.confidence.size() / static_cast<std::size_t>(joint_count);
 }
 
-/// One of many files of a folder that appears as a whole, so it need not be synced by itself.
+/// Writes one of many files of a folder that appears as a whole, so the file need not be synced to disk by itself.
 void WriteInto(const AtomicFolder& folder, const std::string& name, const std::string& text) {
   const fs::path path = folder.temporary_path() / name;
   std::ofstream stream(path, std::ios::binary);

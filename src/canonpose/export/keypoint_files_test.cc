@@ -56,7 +56,7 @@ struct RoundTrip {
 
 class KeypointFiles : public ::testing::TestWithParam<RoundTrip> {};
 
-TEST_P(KeypointFiles, ComeBackThroughImportAsTheDatasetHasThem) {
+TEST_P(KeypointFiles, AreImportedAsInTheDataset) {
   const auto& [format, layout] = GetParam();
   const TemporaryFolder folder;
   const SimulatedClip clip = Simulate(layout);
@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, KeypointFiles,
                                            RoundTrip{"openpose", "coco-18"}, RoundTrip{"alphapose", "halpe-26"},
                                            RoundTrip{"alphapose", "coco-17"}));
 
-TEST(KeypointFiles, AFolderThatIsThereIsKept) {
+TEST(KeypointFiles, AnExistingFolderIsKept) {
   const TemporaryFolder folder;
   fs::create_directories(folder / "cam");
   std::ofstream(folder / "cam" / "mine.json") << "{}";

@@ -10,7 +10,7 @@
 namespace canonpose {
 namespace {
 
-/// A cell as RFC 4180 has it: in quotes where it holds what separates cells.
+/// A cell as in RFC 4180: quoted if it contains a separator.
 std::string Cell(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";

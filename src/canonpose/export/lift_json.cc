@@ -11,7 +11,7 @@
 namespace canonpose {
 namespace {
 
-/// (T, rows, 3) as nested arrays, one frame a line. Written by hand, since the library would print floats as doubles.
+/// (T, rows, 3) as nested arrays, one frame per line. Not written by the library, which would print floats as doubles.
 void AppendArray(std::string& text, const std::string& key, const std::vector<float>& values, std::size_t frames,
                  std::size_t rows) {
   text += fmt::format("  \"{}\": [", key);

@@ -1,4 +1,4 @@
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/npz.h"
 #include "canonpose/export/lift_output.h"
 
 namespace canonpose {

@@ -8,7 +8,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/testing.h"
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/npz.h"
 
 namespace canonpose {
 namespace {
@@ -75,7 +75,7 @@ TEST(LiftOutputTest, Json) {
   EXPECT_EQ(json["rotation"][0][2][2], 1.0);
 }
 
-TEST(LiftOutputTest, NoFramesIsStillAFile) {
+TEST(LiftOutputTest, NoFramesStillMakeAFile) {
   const TemporaryFolder folder;
   const LiftOutput output{{}, {}, {}, {"Hip"}, {}, "mm", 0.0};
   for (const char* name : {"a.npz", "a.csv", "a.json"}) WriteLiftOutput(folder / name, output);

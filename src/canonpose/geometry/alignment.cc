@@ -10,7 +10,7 @@
 namespace canonpose {
 namespace {
 
-/// matrix = u * diag(values) * v^T; sign turns the last axis where u * v^T would be a reflection.
+/// matrix = u * diag(values) * v^T; `sign` flips the last axis where u * v^T would be a reflection.
 struct ProperSvd {
   explicit ProperSvd(const Eigen::Matrix3d& matrix) : svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV) {
     if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) sign.z() = -1.0;

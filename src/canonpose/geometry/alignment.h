@@ -1,20 +1,19 @@
-// Bringing one pose onto another: by scale alone, and by a similarity without reflection.
+// Aligning one pose with another: by scale alone, or by a similarity without reflection.
 //
-// Poses are (N, 3) matrices of the joints that both know, in the same order; callers leave the unknown ones out.
+// Poses are (N, 3) matrices of the joints that are known in both, in the same order; callers leave out the others.
 #pragma once
 
 #include <Eigen/Core>
 
+#include "canonpose/geometry/points.h"
+
 namespace canonpose {
 
-/// (N, 3), one joint a row.
-using Points3d = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
-
-/// The s that makes |s * from - to|^2 least: <from, to> / <from, from>; 0 where `from` is all zeros. Negative where the
-/// two point away from each other, as in the formula that published figures were made with.
+/// The s that minimises |s * from - to|^2: <from, to> / <from, from>; 0 where `from` is all zeros. It is negative where
+/// the two point away from each other, as it is in the evaluation of published results.
 double LeastSquaresScale(const Points3d& from, const Points3d& to);
 
-/// to = scale * rotation * from + translation; rotation is proper (determinant 1), scale is not negative.
+/// to = scale * rotation * from + translation; the rotation is proper (determinant 1), the scale is not negative.
 struct Similarity {
   double scale = 1.0;
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
@@ -23,11 +22,11 @@ struct Similarity {
   [[nodiscard]] Points3d Apply(const Points3d& points) const;
 };
 
-/// The similarity without reflection that makes the sum of squared distances least (Umeyama 1991). A single point, or
+/// The similarity without reflection that minimises the sum of squared distances (Umeyama 1991). A single point, or
 /// points that all coincide, give scale 0 and the mean of `to`.
 Similarity AlignSimilarity(const Points3d& from, const Points3d& to);
 
-/// The rotation nearest to `matrix` in the Frobenius norm; proper, whatever the sign of the determinant.
+/// The rotation nearest to `matrix` in the Frobenius norm; proper even where the determinant is negative.
 Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& matrix);
 
 }  // namespace canonpose

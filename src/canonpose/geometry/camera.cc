@@ -11,7 +11,7 @@ namespace {
 
 Eigen::Vector2d NotAPoint() { return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
-/// Whether a point lies so far off the axis that the radial distortion has turned back: no lens shows it there.
+/// Whether a point lies so far off the axis that the radial distortion folds back, as no lens does.
 bool IsBeyondLens(const Eigen::Vector2d& normalised, const std::array<double, 5>& distortion) {
   const double k1 = distortion[0];
   const double k2 = distortion[1];

@@ -28,7 +28,7 @@ TEST(NormalisePose, CentresOnTheRootHasUnitNormAndIsPlanar) {
 }
 
 TEST(NormalisePose, MissingJointsAreZeroAndDoNotStretchTheOthers) {
-  // Four joints of equal distance to the root: leaving one out leaves the others where they are.
+  // Four joints at equal distances from the root: leaving one out does not move the others.
   const float all[] = {0, 0, 1, 0, 0, 1, -1, 0, 0, -1};
   const float seen_by_all[] = {1, 1, 1, 1, 1};
   NormalisedPose full;
@@ -43,7 +43,7 @@ TEST(NormalisePose, MissingJointsAreZeroAndDoNotStretchTheOthers) {
   EXPECT_EQ(partial.confidence[4], 0.0F);
 }
 
-TEST(NormalisePose, RefusesWhatCannotBeUsed) {
+TEST(NormalisePose, RefusesUnusablePoses) {
   NormalisedPose pose;
   const float keypoints[] = {0, 0, 1, 0, 0, 1, 2, 2};
   const float no_root[] = {0, 1, 1, 1};

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 
@@ -69,6 +70,38 @@ TriangulatedPoint Triangulate(std::span<const PointObservation> observations) {
     sum_px += (projected - observation->pixel).norm();
   }
   result.reprojection_error_px = sum_px / result.view_count;
+  return result;
+}
+
+RobustPoint TriangulateRobustly(std::span<const PointRay> rays) {
+  constexpr int kRounds = 5;
+  constexpr double kWideLossScale = 3.0;
+  RobustPoint result;
+  std::vector<double> weights(rays.size(), 1.0);
+  for (int round = 0; rays.size() >= 2 && round < kRounds; ++round) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const PointRay& ray = rays[i];
+      const Eigen::Matrix3d& R = ray.camera_from_world_rotation;
+      const Eigen::Vector3d& t = ray.camera_from_world_translation;
+      for (int axis = 0; axis < 2; ++axis) {
+        const Eigen::Vector3d row = (R.row(axis) - ray.direction[axis] * R.row(2)).transpose();
+        const double weight = weights[i] / (ray.scatter * ray.scatter);
+        normal += weight * row * row.transpose();
+        right += weight * row * (ray.direction[axis] * t.z() - t[axis]);
+      }
+    }
+    result.point = normal.ldlt().solve(right);
+    result.information = normal;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const PointRay& ray = rays[i];
+      const Eigen::Vector3d p = ray.camera_from_world_rotation * result.point + ray.camera_from_world_translation;
+      // At the point's depth, in the world's unit; the rows above are of that size.
+      const double error = (p.head<2>() - ray.direction * p.z()).norm() / ray.scatter;
+      weights[i] = 1.0 / (1.0 + std::pow(error / kWideLossScale, 2));
+    }
+  }
   return result;
 }
 

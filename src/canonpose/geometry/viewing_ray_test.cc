@@ -27,7 +27,7 @@ std::vector<float> Filmed(const std::vector<Eigen::Vector3d>& in_camera, const P
   return pixels;
 }
 
-TEST(RotationOntoAxis, IsTheLeastRotationThatTakesTheRayToTheAxis) {
+TEST(RotationOntoAxis, IsTheSmallestRotationThatTakesTheRayToTheAxis) {
   for (const Eigen::Vector3d& ray :
        {Eigen::Vector3d(0, 0, 2), Eigen::Vector3d(0.5, -0.3, 1), Eigen::Vector3d(-3, 1, 1)}) {
     const Eigen::Matrix3d rotation = RotationOntoAxis(ray);
@@ -42,7 +42,7 @@ TEST(RotationOntoAxis, IsTheLeastRotationThatTakesTheRayToTheAxis) {
 TEST(NormalisePoseOnAxis, SeesWhatACameraOnTheAxisSees) {
   const std::vector<float> confidence(kJoints, 0.8F);
   const Pinhole pinhole{{1200, 1150}, {510, 480}};
-  // The same body on the axis, and turned about the camera's centre to the border of the image.
+  // The same body on the axis, and rotated about the camera's centre to the border of the image.
   const Eigen::Vector3d on_axis(0, 0, 3000);
   const Eigen::Vector3d beside(1400, -900, 2500);
   const Eigen::Matrix3d camera_from_turned = RotationOntoAxis(beside).transpose();
@@ -63,7 +63,7 @@ TEST(NormalisePoseOnAxis, SeesWhatACameraOnTheAxisSees) {
   }
   EXPECT_EQ(pose.confidence, expected.confidence);
   EXPECT_NEAR((turned_from_camera * camera_from_turned - Eigen::Matrix3d::Identity()).norm(), 0.0, 1e-6);
-  // Without the turn it looks different.
+  // Without the rotation it looks different.
   NormalisedPose seen_aslant;
   ASSERT_TRUE(NormalisePose(pixels.data(), confidence.data(), kJoints, 0, seen_aslant));
   EXPECT_GT(std::abs(seen_aslant.keypoints[3] - expected.keypoints[3]), 0.01);

@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/data/skeleton_file.h"
+#include "canonpose/scene/skeleton_file.h"
 
 namespace canonpose {
 namespace {

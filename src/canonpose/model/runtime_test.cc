@@ -1,12 +1,12 @@
 #include "canonpose/model/runtime.h"
 
+#include <string>
+#include <vector>
+
 #include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <link.h>
-
-#include <string>
-#include <vector>
 
 namespace canonpose {
 namespace {

@@ -18,11 +18,11 @@ namespace {
 constexpr double kMaxStrength = 10.0;
 constexpr double kMaxSyncFrames = 100.0;
 
-/// Right-handed axes as columns: forward, left, up, where up is given and left about `across`.
+/// Right-handed axes as columns: forward, left, up, for a given `up` and with left roughly along `across`.
 Eigen::Matrix3d Axes(const Eigen::Vector3d& upwards, const Eigen::Vector3d& across) {
   const Eigen::Vector3d up = upwards.normalized();
   Eigen::Vector3d left = across - up * up.dot(across);
-  // A body without width has no front; any will do.
+  // A body without width has no front, so any axis will do.
   if (!(left.norm() > 1e-6)) left = up.unitOrthogonal();
   left.normalize();
   Eigen::Matrix3d axes;
@@ -32,7 +32,7 @@ Eigen::Matrix3d Axes(const Eigen::Vector3d& upwards, const Eigen::Vector3d& acro
 
 Eigen::Matrix3d TrunkAxes(const Eigen::Vector3d* p) { return Axes(p[kThorax] - p[kHip], p[kLHip] - p[kRHip]); }
 
-/// The axes that a joint's systematic offset turns with: the trunk's, the head's, or its limb's.
+/// The axes with which a joint's systematic offset rotates: those of the trunk, the head, or its limb.
 Eigen::Matrix3d OffsetAxes(int landmark, const Eigen::Vector3d* p, const Eigen::Matrix3d& trunk) {
   const tuning::JointClass* its_class = &tuning::ClassOf(landmark);
   if (its_class == &tuning::kHeadJoints) return Axes(p[kHead] - p[kUpperNeck], p[kLEar] - p[kREar]);
@@ -50,8 +50,8 @@ const tuning::SystematicOffset& OffsetOf(int landmark) {
   return tuning::kLimbOffset;
 }
 
-/// Where a detector's joints lie from the skeleton's: forward, left and up in OffsetAxes(), in statures. Left and
-/// right mirror each other; joints on the midline stay on it.
+/// The offset of a detector's joints from the skeleton's: forward, left and up in OffsetAxes(), as fractions of the
+/// stature. Left and right are symmetric; joints on the midline stay on it.
 std::array<Eigen::Vector3d, kLandmarkCount> SystematicOffsets(double strength, std::uint64_t detector_seed) {
   std::array<Eigen::Vector3d, kLandmarkCount> offsets;
   const Skeleton& skeleton = LandmarkSkeleton();
@@ -70,14 +70,15 @@ std::array<Eigen::Vector3d, kLandmarkCount> SystematicOffsets(double strength, s
   return offsets;
 }
 
-/// The landmarks at a time between frames, by linear interpolation; before the first and after the last, theirs.
+/// The landmarks at a time between frames, by linear interpolation; before the first and after the last frame, the
+/// landmarks of that frame.
 void LandmarksAt(const LandmarkTrack& track, double frame, Eigen::Vector3d* landmarks) {
   const double clamped = std::clamp(frame, 0.0, static_cast<double>(track.frame_count() - 1));
   const auto before = static_cast<int>(clamped);
   const int after = std::min(before + 1, track.frame_count() - 1);
   const double share = clamped - before;
   for (int j = 0; j < kLandmarkCount; ++j) {
-    // Exact where nothing lies between.
+    // Exact at the time of a frame.
     landmarks[j] =
         share > 0.0 ? ((1.0 - share) * track.At(before, j) + share * track.At(after, j)).eval() : track.At(before, j);
   }
@@ -97,7 +98,7 @@ bool IsInside(const Eigen::Vector2d& pixel, const std::array<int, 2>& image_size
   return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() < image_size[0] && pixel.y() < image_size[1];
 }
 
-/// Looks at the track through one camera, a frame at a time.
+/// Observes the track through one camera, frame by frame.
 class Viewer {
  public:
   Viewer(const LandmarkTrack& track, const FilmingCamera& camera, const DetectorLayout& layout,
@@ -161,7 +162,7 @@ class Viewer {
   std::vector<Eigen::Vector2d> previous_;
 };
 
-/// Writes a frame's detections: what lies outside the image is not found.
+/// Writes a frame's detections; joints outside the image are not found.
 void Store(const FrameView& view, const FrameDetections& found, std::size_t frame, Detections& detections) {
   const std::size_t count = view.pixels.size();
   for (std::size_t j = 0; j < count; ++j) {
@@ -192,14 +193,14 @@ void DetectorOptions::Validate() const {
                                                {"occlusion", occlusion, kMaxStrength},
                                                {"swaps", swaps, kMaxStrength},
                                                {"outliers", outliers, kMaxStrength},
-                                               {"missed-joints", missed_joints, kMaxStrength},
-                                               {"missed-frames", missed_frames, kMaxStrength},
+                                               {"missed_joints", missed_joints, kMaxStrength},
+                                               {"missed_frames", missed_frames, kMaxStrength},
                                                {"confidence", confidence, kMaxStrength},
-                                               {"joint-offset", joint_offset, kMaxStrength},
-                                               {"sync-jitter", sync_jitter, kMaxSyncFrames}}};
+                                               {"joint_offset", joint_offset, kMaxStrength},
+                                               {"sync_jitter", sync_jitter, kMaxSyncFrames}}};
   for (const Strength& strength : strengths) {
     if (!(strength.value >= 0.0 && strength.value <= strength.most)) {
-      ThrowInvalidArgument("--{} {} is out of range; give 0 to {}", strength.name, strength.value, strength.most);
+      ThrowInvalidArgument("`{}` {} is out of range; give 0 to {}", strength.name, strength.value, strength.most);
     }
   }
 }
@@ -224,7 +225,7 @@ Detections Detect(const LandmarkTrack& track, const FilmingCamera& camera, const
                   const DetectorOptions& options, std::uint64_t detector_seed, Rng rng) {
   options.Validate();
   const auto frames = static_cast<std::size_t>(track.frame_count());
-  CANONPOSE_CHECK(track.fps > 0.0, "clip {} has {} frames a second", track.name, track.fps);
+  CANONPOSE_CHECK(track.fps > 0.0, "clip {} has {} frames per second", track.name, track.fps);
   const std::size_t count = layout.from_landmarks.joints.size();
   CANONPOSE_CHECK(camera.cameras.size() == 1 || camera.cameras.size() >= frames, "{} cameras for {} frames",
                   camera.cameras.size(), frames);

@@ -15,13 +15,13 @@ bool IsLeg(int landmark) {
          its_class == &tuning::kAnkles || its_class == &tuning::kToes;
 }
 
-/// Chance that left and right are exchanged, relative to a back view.
+/// Probability that left and right are swapped, relative to a back view.
 double SwapChance(double facing) {
   if (facing < 0.0) return tuning::kSwapSideView + (1.0 - tuning::kSwapSideView) * std::min(1.0, -facing / 0.7);
   return tuning::kSwapSideView + (tuning::kSwapFrontView - tuning::kSwapSideView) * std::min(1.0, facing / 0.5);
 }
 
-/// A joint's place among the landmarks: of a mean of several, the first one's.
+/// The landmark of a joint; for a mean of several, the first one.
 int LandmarkOf(const DetectorLayout& layout, std::size_t joint) {
   return layout.from_landmarks.joints[joint].sources.front();
 }
@@ -31,7 +31,7 @@ int LandmarkOf(const DetectorLayout& layout, std::size_t joint) {
 Stretches::Stretches(const tuning::Stretch& stretch, double rate, Rng& rng)
     : stretch_(stretch),
       rate_(std::min(rate, tuning::kMaxRate)),
-      // From long enough before the clip that a stretch may be under way when it begins.
+      // Starts long enough before the clip that an interval may be in progress when the clip starts.
       end_(-2.0 * stretch.longest_seconds) {
   DrawNext(rng);
 }
@@ -191,7 +191,7 @@ void ErrorProcess::AddSwaps(const FrameView& view, FrameDetections& found) {
     if (mirror <= j || !(body || joints_[j].is_leg)) continue;
     if (!found.pixels[j].allFinite() || !found.pixels[mirror].allFinite()) continue;
     std::swap(found.pixels[j], found.pixels[mirror]);
-    // The peak that is found keeps what befell it, and its certainty: swaps are not seen in it.
+    // The confidence stays with the peak that is found, so it does not reveal a swap.
     std::swap(found.errors[j], found.errors[mirror]);
     std::swap(unswapped_error_[j], unswapped_error_[mirror]);
     found.errors[j] |= kSwapped;
@@ -208,7 +208,7 @@ void ErrorProcess::KeepInImage(const FrameView& view, FrameDetections& found) {
 
 void ErrorProcess::AddConfidence(const FrameView& view, FrameDetections& found) {
   const double noise = options_.noise * options_.confidence;
-  // How far the detector is deceived by its own swaps: not at all where it tells errors perfectly.
+  // How much a swap deceives the detector itself: not at all where confidences reflect errors perfectly.
   const double deceived = std::min(1.0, noise);
   const auto hardness = [](double error) {
     return std::log((error + tuning::kConfidenceFloor) / tuning::kConfidenceTypical);

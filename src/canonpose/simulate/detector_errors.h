@@ -1,4 +1,4 @@
-// The random processes behind a simulated detector's errors, one frame after another. Internal to simulate/.
+// The random processes behind a simulated detector's errors, frame by frame. Internal to simulate/.
 #pragma once
 
 #include <array>
@@ -14,16 +14,16 @@
 
 namespace canonpose {
 
-/// Stretches of time in which something goes wrong. They begin at random, at a rate that depends on circumstances, and
-/// are drawn in continuous time: their share of frames is the same at every frame rate.
+/// Intervals of time in which something goes wrong. They start at random, at a rate that depends on circumstances, and
+/// are drawn in continuous time, so that they affect the same fraction of frames at every frame rate.
 class Stretches {
  public:
-  /// The process runs at `rate` begins a second at the most; each begin happens with the chance given to IsActive().
+  /// `rate` is the maximum number of starts per second; each start happens with the probability passed to IsActive().
   Stretches(const tuning::Stretch& stretch, double rate, Rng& rng);
-  /// Whether the frame at a time lies in a stretch. Times must not decrease; the chance is asked for where a stretch
-  /// begins.
+  /// Whether the frame at a time is in such an interval. Times must not decrease; the probability only matters where an
+  /// interval may start.
   bool IsActive(double seconds, double chance, Rng& rng);
-  /// True in the first frame of a stretch.
+  /// True in the first frame of an interval.
   [[nodiscard]] bool has_just_begun() const { return has_just_begun_; }
 
  private:
@@ -33,13 +33,13 @@ class Stretches {
   double rate_;
   double begin_ = 0.0;
   double end_ = 0.0;
-  double luck_ = 1.0;  ///< the stretch happens where the chance is above this
+  double luck_ = 1.0;  ///< the interval happens if the probability exceeds this
   bool is_decided_ = false;
   bool happens_ = false;
   bool has_just_begun_ = false;
 };
 
-/// What the errors of a frame depend on. K joints.
+/// What a frame's errors depend on. K joints.
 struct FrameView {
   std::array<int, 2> image_size{0, 0};
   double seconds = 0.0;
@@ -47,10 +47,10 @@ struct FrameView {
   double facing = 0.0;                  ///< cosine between the body's front and the camera; -1 is a back view
   std::vector<Eigen::Vector2d> pixels;  ///< exact; NaN behind the camera
   std::vector<std::uint8_t> hidden;     ///< by the body itself
-  std::vector<double> speed;            ///< in the image, statures a second
+  std::vector<double> speed;            ///< in the image, statures per second
 };
 
-/// What is found, (K) each.
+/// What the detector finds, (K) each.
 struct FrameDetections {
   std::vector<Eigen::Vector2d> pixels;
   std::vector<double> confidence;
@@ -78,7 +78,7 @@ class ErrorProcess {
     double hidden = 0.0;  ///< 0..1, rises and falls within kOcclusionRampSeconds
     Stretches outliers;
     Stretches misses;
-    int outlier_joint = -1;                                    ///< the joint it was taken for; -1: background
+    int outlier_joint = -1;                                    ///< the joint that it is mistaken for; -1: background
     Eigen::Vector2d outlier_offset = Eigen::Vector2d::Zero();  ///< from the joint, in heights
     RoughNoise confidence;
   };
@@ -87,14 +87,14 @@ class ErrorProcess {
   void AddOutliers(const FrameView& view, FrameDetections& found);
   void BeginOutlier(std::size_t joint);
   void AddSwaps(const FrameView& view, FrameDetections& found);
-  /// What errors throw out of the image lies at its edge.
+  /// Points that errors move out of the image end up at its edge.
   static void KeepInImage(const FrameView& view, FrameDetections& found);
   void AddConfidence(const FrameView& view, FrameDetections& found);
   void AddMisses(const FrameView& view, FrameDetections& found);
 
   DetectorOptions options_;
   double ramp_;
-  // One stream for each kind of error, so that changing one option leaves the others' errors as they were.
+  // One stream for each kind of error, so that changing one option does not change the other errors.
   Rng noise_rng_, occlusion_rng_, outlier_rng_, swap_rng_, miss_rng_, missed_frame_rng_, confidence_rng_;
   SmoothNoise person_scale_;
   std::vector<Joint> joints_;

@@ -37,7 +37,8 @@ Eigen::Vector2d Keypoint(const Detections& detections, std::size_t at) {
   return {detections.keypoints[2 * at], detections.keypoints[2 * at + 1]};
 }
 
-/// The detections of all cameras of a rig: shares of joints by kind of error, and errors (heights) of the joints found.
+/// The detections of all cameras of a rig: fractions of joints by kind of error, and errors (in heights) of the joints
+/// found.
 struct Outcome {
   double Share(DetectionErrorKind kind) const {
     int count = 0;
@@ -73,7 +74,7 @@ Outcome RunDetector(const DetectorOptions& options, int frames = 2000, const std
   return outcome;
 }
 
-/// All kinds of errors off.
+/// All kinds of errors switched off.
 DetectorOptions Nothing() {
   DetectorOptions options;
   options.jitter = options.occlusion = options.swaps = options.outliers = 0.0;
@@ -162,13 +163,14 @@ TEST(Detect, RepeatsBitForBit) {
   EXPECT_NE(a.confidence, c.confidence);
 }
 
-TEST(Detect, EachStrengthAtZeroLeavesItsKindOutAndMoreMeansMore) {
+TEST(Detect, EachStrengthAtZeroSwitchesItsKindOffAndMoreMeansMore) {
   struct Kind {
     double DetectorOptions::*strength;
     DetectionErrorKind kind;
     double least_growth;  ///< from 1 to 2
   };
-  // kMissed is told by joints and by frames: each alone is judged with the other off. Hidden is hidden: no growth.
+  // kMissed counts missed joints and missed frames, so each is tested with the other switched off. Occlusion does not
+  // grow.
   for (const Kind& kind :
        {Kind{&DetectorOptions::occlusion, kOccluded, 0.99}, Kind{&DetectorOptions::swaps, kSwapped, 1.4},
         Kind{&DetectorOptions::outliers, kOutlier, 1.5}, Kind{&DetectorOptions::missed_joints, kMissed, 1.5},
@@ -185,7 +187,7 @@ TEST(Detect, EachStrengthAtZeroLeavesItsKindOutAndMoreMeansMore) {
   }
 }
 
-TEST(Detect, ChangingOneStrengthLeavesTheOtherErrorsAsTheyWere) {
+TEST(Detect, ChangingOneStrengthDoesNotChangeTheOtherErrors) {
   const Outcome usual = RunDetector(DetectorOptions{});
   for (const auto& [strength, kind] :
        {std::pair(&DetectorOptions::swaps, kSwapped), std::pair(&DetectorOptions::outliers, kOutlier),
@@ -207,7 +209,7 @@ TEST(Detect, ChangingOneStrengthLeavesTheOtherErrorsAsTheyWere) {
 TEST(Detect, AmplitudesGrowWithTheirStrengths) {
   DetectorOptions options = Nothing();
   EXPECT_EQ(RunDetector(options).Share(kOccluded), 0.0);
-  // Keypoints are floats: a rounding of 1e-4 px of a person of hundreds.
+  // Keypoints are floats: a rounding error of 1e-4 px, with a person of hundreds of pixels.
   EXPECT_LT(RunDetector(options).MeanSquaredError(), 1e-12);
   options.jitter = 1.0;
   const double once = RunDetector(options).MeanSquaredError();
@@ -271,7 +273,7 @@ TEST(Detect, SwapsLegsMostlyInBackViews) {
       const std::size_t at = static_cast<std::size_t>(t) * 17;
       if ((found.errors[at + kRKnee] & kSwapped) == 0) continue;
       EXPECT_NEAR((Keypoint(found, at + kRKnee) - camera.cameras[0].Project(track.At(t, kLKnee))).norm(), 0.0, 1e-3);
-      EXPECT_EQ(found.errors[at + kSpine] & kSwapped, 0) << "joints on the midline have no other side";
+      EXPECT_EQ(found.errors[at + kSpine] & kSwapped, 0) << "joints on the midline have no counterpart";
       const Eigen::Vector3d forward = (track.At(t, kLHip) - track.At(t, kRHip)).cross(Eigen::Vector3d::UnitZ());
       ++((centre - track.At(t, kHip)).dot(forward) > 0.0 ? front : back);
     }
@@ -280,7 +282,7 @@ TEST(Detect, SwapsLegsMostlyInBackViews) {
   EXPECT_GT(back, 3 * front);
 }
 
-TEST(Detect, ConfidenceThatTellsErrorsPerfectlyFallsWithThem) {
+TEST(Detect, ConfidenceThatReflectsErrorsPerfectlyFallsWithThem) {
   DetectorOptions options;
   options.confidence = 0.0;
   const Outcome outcome = RunDetector(options, 500);
@@ -328,7 +330,7 @@ TEST(Detect, SystematicOffsetBelongsToTheDetector) {
 }
 
 TEST(Detect, UnsynchronisedCamerasShowMovingJointsElsewhere) {
-  // Stands still but for the right wrist, which goes up at 1 m/s.
+  // Stands still except for the right wrist, which rises at 1 m/s.
   LandmarkTrack track{"raise", "figure", 50.0, {}};
   for (int t = 0; t < 100; ++t) {
     auto figure = StandingFigure();
@@ -362,7 +364,7 @@ TEST(Detect, UnsynchronisedCamerasShowMovingJointsElsewhere) {
   EXPECT_GT(std::abs(late_frames), 0.1);
 }
 
-TEST(DetectorOptions, RefusesWhatCannotBe) {
+TEST(DetectorOptions, RefusesInvalidValues) {
   for (const double value : {-1.0, 11.0, static_cast<double>(NAN)}) {
     DetectorOptions options;
     options.missed_joints = value;
@@ -372,7 +374,7 @@ TEST(DetectorOptions, RefusesWhatCannotBe) {
   DetectorOptions{}.Validate();
 }
 
-TEST(SmoothNoise, HasUnitVarianceFromTheFirstFrameAndTheCorrelationAsked) {
+TEST(SmoothNoise, HasUnitVarianceFromTheFirstFrameAndTheRequestedCorrelation) {
   Rng rng(1);
   double first = 0.0;
   double last = 0.0;

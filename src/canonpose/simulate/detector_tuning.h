@@ -1,28 +1,28 @@
-// Every constant of the simulated detector's errors in one place. Internal to simulate/.
+// All constants of the simulated detector's errors. Internal to simulate/.
 //
-// Lengths are shares of the person's height in the image, times are seconds, rates are per second. What they were
-// chosen for is told in statistics: median error 1 to 1.5 % of the height, wrists and ankles 1.5 to 2 times the hips,
+// Lengths are fractions of the person's height in the image, times are in seconds, rates are per second. They were
+// chosen to reach these statistics: median error 1 to 1.5 % of the height, wrists and ankles 1.5 to 2 times the hips,
 // 95th percentile 5 to 8 %, AUC of confidence 0.7 to 0.8, rank correlation of confidence and error -0.3 to -0.5, swaps
 // and outliers about 1 % of joints each, missed joints 1 to 2 %.
 #pragma once
 
 #include <array>
 
-#include "canonpose/simulate/landmarks.h"
+#include "canonpose/motion/landmarks.h"
 
 namespace canonpose::tuning {
 
 /// How well a class of joints is found.
 struct JointClass {
-  double slow;      ///< standard deviation of the slow error: where the network thinks the joint is
-  double fast;      ///< and of the fast one, from frame to frame
+  double slow;      ///< standard deviation of the slow error, which is where the network believes the joint to be
+  double fast;      ///< and of the fast error, from frame to frame
   double occluded;  ///< and of the error while hidden
   double outlier;   ///< how often an outlier begins, relative to a knee
-  double missed;    ///< how often it is missed, relative to a knee
+  double missed;    ///< how often it is not found, relative to a knee
 };
 
-// Hips and trunk are points inside the body that annotators place loosely but alike: slow errors, little jitter. Faces
-// are sharp. Wrists, ankles and toes are small, far out and fast.
+// Hips and trunk are points inside the body, which annotators place imprecisely but consistently: slow errors, little
+// jitter. Faces are precise. Wrists, ankles and toes are small, at the ends of limbs, and fast.
 inline constexpr JointClass kTrunk = {0.0070, 0.0015, 0.012, 0.3, 0.3};
 inline constexpr JointClass kHips = {0.0082, 0.0016, 0.016, 0.4, 0.4};
 inline constexpr JointClass kShoulders = {0.0070, 0.0024, 0.018, 0.4, 0.5};
@@ -35,22 +35,23 @@ inline constexpr JointClass kToes = {0.0124, 0.0060, 0.034, 1.5, 2.0};
 
 inline constexpr double kSlowSeconds = 0.5;
 inline constexpr double kFastSeconds = 0.02;
-/// The errors' scale wanders as exp(normal) by joint and for the whole person: hard poses and hard frames, heavy tails.
+/// The scale of errors varies over time as exp(normal), for each joint and for the whole person: difficult poses and
+/// frames give heavy tails.
 inline constexpr double kScaleOfJoint = 0.50;
 inline constexpr double kScaleOfPerson = 0.20;
 inline constexpr double kScaleSeconds = 0.4;
-/// Motion blur: the scale grows by this for each statures-per-second that a joint moves in the image.
+/// Motion blur: how much the scale grows per unit of a joint's speed in the image, statures per second.
 inline constexpr double kBlur = 0.25;
 inline constexpr double kMaxBlurSpeed = 6.0;
 
-/// Hidden joints: errors of their own, and a pull towards the other side's joint.
+/// Hidden joints: additional errors, and a pull towards the joint on the other side.
 inline constexpr double kOccludedSeconds = 0.35;
 inline constexpr double kOcclusionRampSeconds = 0.08;
-inline constexpr double kPull = 0.12;        ///< mean share of the way to the other side's joint
+inline constexpr double kPull = 0.12;        ///< mean fraction of the distance to the joint on the other side
 inline constexpr double kPullSpread = 0.12;  ///< and its standard deviation
-inline constexpr double kMaxPull = 0.05;    ///< no further than this
+inline constexpr double kMaxPull = 0.05;     ///< maximum distance
 
-/// A stretch of frames in which something goes wrong: how often it begins, how long it lasts.
+/// An interval in which something goes wrong: how often it starts and how long it lasts.
 struct Stretch {
   double rate;
   double shortest_seconds;
@@ -61,15 +62,15 @@ inline constexpr Stretch kBodySwap = {0.065, 0.1, 0.5};
 inline constexpr Stretch kOutlier = {0.07, 0.03, 0.20};
 inline constexpr Stretch kMissedJoint = {0.075, 0.03, 0.20};
 inline constexpr Stretch kMissedFrame = {0.035, 0.03, 0.30};
-/// Swaps begin at the full rate in back views, at these shares in side and front views.
+/// Swaps start at the full rate in back views, and at these fractions of it in side and front views.
 inline constexpr double kSwapSideView = 0.35;
 inline constexpr double kSwapFrontView = 0.05;
 /// Outliers and misses of hidden joints, relative to visible ones.
 inline constexpr double kOutlierWhenOccluded = 3.0;
 inline constexpr double kMissedWhenOccluded = 7.0;
-/// No event begins more often than this, whatever the option's strength.
+/// No event starts more often than this, whatever the option's strength.
 inline constexpr double kMaxRate = 20.0;
-/// Where outliers go: the other side's joint, some other joint, the background.
+/// Where outliers go: to the joint on the other side, to some other joint, or to the background.
 inline constexpr double kOutlierToMirror = 0.45;
 inline constexpr double kOutlierToJoint = 0.25;
 inline constexpr double kBackgroundNear = 0.15;
@@ -84,8 +85,8 @@ inline constexpr double kConfidenceNoiseSlow = 0.70;
 inline constexpr double kConfidenceNoiseFast = 0.50;
 inline constexpr double kConfidenceSeconds = 0.5;
 
-/// Systematic offsets for joint_offset 1, as shares of the stature: up and outwards on average, and how much detectors
-/// differ. Hips as COCO's annotators see them against those of Human3.6M's markers.
+/// Systematic offsets for joint_offset 1, as fractions of the stature: the mean upwards and outwards, and how much
+/// detectors differ. For hips, the mean is the difference between COCO's annotations and Human3.6M's markers.
 struct SystematicOffset {
   double up;
   double outwards;

@@ -1,4 +1,4 @@
-// For tests only: a figure that walks in a circle, its limbs swinging, made by hand.
+// For tests only: a handmade figure that walks in a circle with swinging limbs.
 #pragma once
 
 #include <array>
@@ -7,11 +7,12 @@
 
 #include <Eigen/Geometry>
 
-#include "canonpose/simulate/landmarks.h"
+#include "canonpose/geometry/angles.h"
+#include "canonpose/motion/landmarks.h"
 
 namespace canonpose::testing {
 
-/// Landmarks of a person of 1.75 m who stands at the origin, faces +x, the left side at +y; mm.
+/// Landmarks of a person of 1.75 m who stands at the origin and faces +x, with the left side at +y; mm.
 inline std::array<Eigen::Vector3d, kLandmarkCount> StandingFigure() {
   std::array<Eigen::Vector3d, kLandmarkCount> p;
   p[kHip] = {0, 0, 930};
@@ -38,10 +39,10 @@ inline std::array<Eigen::Vector3d, kLandmarkCount> StandingFigure() {
   return p;
 }
 
-/// `degrees` of swing forward about a joint's left-right axis.
+/// Swings parts forward by `degrees` about a joint's left-right axis.
 inline void Swing(std::array<Eigen::Vector3d, kLandmarkCount>& p, Landmark about, std::initializer_list<Landmark> parts,
                   double degrees) {
-  const Eigen::AngleAxisd turn(-degrees * std::numbers::pi / 180.0, Eigen::Vector3d::UnitY());
+  const Eigen::AngleAxisd turn(RadFromDeg(-degrees), Eigen::Vector3d::UnitY());
   for (const Landmark part : parts) p[part] = p[about] + turn * (p[part] - p[about]);
 }
 
@@ -61,7 +62,7 @@ inline std::array<Eigen::Vector3d, kLandmarkCount> WalkingFigure(double phase) {
   return p;
 }
 
-/// Walks in a circle of a radius (mm) around the origin, facing all directions once in `lap_seconds`.
+/// A track of the figure walking in a circle around the origin, which faces all directions once in `lap_seconds`.
 inline LandmarkTrack WalkInCircle(int frames, double fps, double radius_mm = 700.0, double lap_seconds = 8.0) {
   LandmarkTrack track{"circle", "figure", fps, {}};
   for (int t = 0; t < frames; ++t) {

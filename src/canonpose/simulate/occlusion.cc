@@ -6,8 +6,29 @@
 namespace canonpose {
 namespace {
 
-/// Skin over a landmark that no capsule begins or ends at: eyes, ears, nose lie on the surface.
+/// Skin over a landmark at which no capsule begins or ends: eyes, ears and nose are on the surface.
 constexpr double kSkinOfOthers = 0.005;
+
+/// A limb as a capsule between two landmarks.
+struct Capsule {
+  Landmark from;
+  Landmark to;
+  double radius;  ///< as a fraction of the stature
+};
+
+/// The body's shape: limbs, trunk (capsules side by side from the hips to the shoulders) and head.
+///
+/// Radii from circumferences of the limbs of an average adult (thigh 56 cm, calf 37 cm, upper arm 30 cm, head 57 cm,
+/// chest 98 cm as two capsules side by side) over a stature of 1.73 m, a little thinner at the ends of the limbs.
+const std::vector<Capsule>& BodyCapsules() {
+  static const std::vector<Capsule> capsules = {
+      {kRHip, kRKnee, 0.042},    {kRKnee, kRFoot, 0.028},      {kRHeel, kRBigToe, 0.020},  {kLHip, kLKnee, 0.042},
+      {kLKnee, kLFoot, 0.028},   {kLHeel, kLBigToe, 0.020},    {kRHip, kRShoulder, 0.050}, {kLHip, kLShoulder, 0.050},
+      {kHip, kThorax, 0.055},    {kLShoulder, kLElbow, 0.025}, {kLElbow, kLWrist, 0.019},  {kRShoulder, kRElbow, 0.025},
+      {kRElbow, kRWrist, 0.019}, {kThorax, kUpperNeck, 0.032}, {kUpperNeck, kHead, 0.045},
+  };
+  return capsules;
+}
 
 double PointDistanceSquared(const Eigen::Vector3d& point, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   const Eigen::Vector3d along = b - a;
@@ -76,7 +97,8 @@ void OcclusionTest::Find(const Eigen::Vector3d* landmarks, const Eigen::Vector3d
       const double radius = capsules[c].radius * stature_mm;
       const double radius2 = radius * radius;
       if (SegmentDistanceSquared(skin, camera_centre_mm, from, to) >= radius2) continue;
-      // Flesh that surrounds the joint, or meets the skin over it, is no obstacle: one sees its surface there.
+      // Flesh that surrounds the joint or touches the skin over it does not hide it, since its surface is what one sees
+      // there.
       if (PointDistanceSquared(skin, from, to) < radius2 || PointDistanceSquared(joints[j], from, to) < radius2)
         continue;
       hidden[j] = 1;

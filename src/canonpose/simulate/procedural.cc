@@ -42,7 +42,7 @@ void DropFrames(int count, ArticulatedMotion& motion) {
                                  motion.parent_from_joint.begin() + count * motion.joint_count());
 }
 
-// Turns the whole clip about the vertical through the origin.
+// Rotates the whole clip about the vertical axis through the origin.
 void TurnAround(double angle, ArticulatedMotion& motion) {
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()));
   for (std::size_t f = 0; f < motion.root_position_mm.size(); ++f) {
@@ -77,9 +77,9 @@ Activity ParseActivity(std::string_view name) {
 }
 
 ArticulatedMotion MakeProceduralMotion(const ProceduralClip& clip) {
-  CANONPOSE_CHECK(clip.frames > 0 && clip.fps > 0.0, "{} frames at {} frames a second", clip.frames, clip.fps);
+  CANONPOSE_CHECK(clip.frames > 0 && clip.fps > 0.0, "{} frames at {} frames per second", clip.frames, clip.fps);
   const Rng rng(clip.motion_seed, {kMotionStream, static_cast<std::uint64_t>(clip.activity)});
-  // Clips begin in the middle of what is going on: the first steps of a runner who stands are not part of it.
+  // Clips start in the middle of the activity; the first steps of a runner from standing are left out.
   Rng lead_rng(clip.motion_seed, {kLeadStream});
   const int lead = static_cast<int>(std::lround(lead_rng.Uniform(1.0, 3.5) * clip.fps));
   Stage stage(MakeBody(clip.subject_seed), clip.fps, lead + clip.frames, rng);
@@ -88,7 +88,7 @@ ArticulatedMotion MakeProceduralMotion(const ProceduralClip& clip) {
   DropFrames(lead, motion);
   TurnAround(lead_rng.Uniform(-kPi, kPi), motion);
   if (clip.activity == Activity::kSki) {
-    // Skiers travel on, and come down as they go; their slope passes through the origin.
+    // Skiers travel and descend; their slope passes through the origin.
     Eigen::Vector3d start = motion.root_position_mm.front();
     start.z() -= stage.body().standing_hip_height() * 0.75;
     for (Eigen::Vector3d& position : motion.root_position_mm) position -= start;

@@ -1,4 +1,4 @@
-// Motion made from nothing: people of varied build who walk, run, jump, squat, reach, throw, gesture, dance and ski.
+// Procedural motion: people of varied build who walk, run, jump, squat, reach, throw, gesture, dance and ski.
 #pragma once
 
 #include <cstdint>
@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "canonpose/simulate/landmarks.h"
-#include "canonpose/simulate/motion.h"
+#include "canonpose/motion/articulated_motion.h"
+#include "canonpose/motion/landmarks.h"
 
 namespace canonpose {
 
@@ -17,7 +17,7 @@ enum class Activity { kGait, kRun, kJump, kSquat, kSit, kReach, kThrow, kGesture
 const std::vector<Activity>& AllActivities();
 /// "gait", "run", ...
 std::string_view ActivityName(Activity activity);
-/// By name; throws Error(kInvalidArgument) listing the names.
+/// An activity by name; throws Error(kInvalidArgument) that lists the names.
 Activity ParseActivity(std::string_view name);
 
 struct ProceduralClip {
@@ -30,11 +30,11 @@ struct ProceduralClip {
   std::string subject;
 };
 
-/// The motion of a clip; the same bits for the same clip. Joints are those of body.h, named as the landmarks are (the
-/// articulations Lumbar, Neck, LClavicle, RClavicle, LToes and RToes are none), so that MakeLandmarkTrack() finds them.
-/// The person looks anywhere and is in the middle of what it does. The ground is z = 0 and the root stays within about
-/// two metres of the origin (walkers within about three); a runner starts above the origin, a skier on a slope through
-/// it, and both travel on.
+/// The motion of a clip; the same bits for the same clip. Joints are those of body.h. They have the landmarks' names,
+/// so that MakeLandmarkTrack() finds them, except for the articulations Lumbar, Neck, LClavicle, RClavicle, LToes and
+/// RToes, which are not landmarks. The person faces in any direction and is in the middle of the activity. The ground
+/// is z = 0, and the root stays within about two metres of the origin (walkers within about three); a runner starts at
+/// the origin, a skier on a slope through it, and both travel away.
 ArticulatedMotion MakeProceduralMotion(const ProceduralClip& clip);
 
 }  // namespace canonpose

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "canonpose/base/testing.h"
+#include "canonpose/geometry/angles.h"
 #include "canonpose/simulate/people/body.h"
 #include "canonpose/simulate/people/stage.h"
 
@@ -15,9 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDegrees = 180.0 / kPi;
-
-// A clip and where its joints are.
+// A clip and the positions of its joints.
 struct Played {
   ArticulatedMotion motion;
   std::vector<std::vector<Vector3d>> positions;                   // (T)(J)
@@ -27,11 +26,11 @@ struct Played {
   [[nodiscard]] const Vector3d& At(int frame, int joint) const {
     return positions[static_cast<std::size_t>(frame)][static_cast<std::size_t>(joint)];
   }
-  // Flexion at a joint between its neighbours, degrees; 0 is straight.
+  // The flexion of a joint, from the positions of its neighbours, in degrees; 0 is straight.
   [[nodiscard]] double Bend(int frame, int above, int joint, int below) const {
     const Vector3d upper = (At(frame, joint) - At(frame, above)).normalized();
     const Vector3d lower = (At(frame, below) - At(frame, joint)).normalized();
-    return std::acos(std::clamp(upper.dot(lower), -1.0, 1.0)) * kDegrees;
+    return DegFromRad(std::acos(std::clamp(upper.dot(lower), -1.0, 1.0)));
   }
   [[nodiscard]] double Knee(int frame, int side) const {
     return Bend(frame, LegJoint(kBLHip, side), LegJoint(kBLKnee, side), LegJoint(kBLFoot, side));
@@ -44,7 +43,7 @@ struct Played {
     return std::min({At(frame, LegJoint(kBLHeel, side)).z(), At(frame, LegJoint(kBLBigToe, side)).z(),
                      At(frame, LegJoint(kBLSmallToe, side)).z()});
   }
-  // Forward of the body, level.
+  // The body's forward direction, horizontal.
   [[nodiscard]] Vector3d Front(int frame) const {
     const Vector3d left = At(frame, kBLHip) - At(frame, kBRHip);
     return Vector3d(left.y(), -left.x(), 0).normalized();
@@ -97,7 +96,7 @@ TEST_P(EveryActivity, IsTheSameForTheSameSeedsOnly) {
     difference = std::max(difference, a.parent_from_joint[i].angularDistance(c.parent_from_joint[i]));
   }
   EXPECT_GT(difference, 0.2);
-  // The person stays the same whatever it does.
+  // The person is the same in every activity.
   for (std::size_t j = 0; j < a.joints.size(); ++j) EXPECT_EQ(a.joints[j].offset_mm, c.joints[j].offset_mm);
 }
 
@@ -119,15 +118,15 @@ TEST_P(EveryActivity, KeepsLengthsAndJointLimits) {
         const Eigen::Quaterniond elbow = local(ArmJoint(kBLElbow, side));
         ASSERT_LT(std::hypot(knee.x(), knee.z()), 1e-9);
         ASSERT_LT(std::hypot(elbow.x(), elbow.z()), 1e-9);
-        const double knee_flexion = 2 * std::atan2(knee.y(), knee.w()) * kDegrees;
-        const double elbow_flexion = -2 * std::atan2(elbow.y(), elbow.w()) * kDegrees;
+        const double knee_flexion = DegFromRad(2 * std::atan2(knee.y(), knee.w()));
+        const double elbow_flexion = DegFromRad(-2 * std::atan2(elbow.y(), elbow.w()));
         ASSERT_GE(knee_flexion, 0.0) << "frame " << f;
         ASSERT_LE(knee_flexion, 149.0) << "frame " << f;
         ASSERT_GE(elbow_flexion, 0.0) << "frame " << f;
         ASSERT_LE(elbow_flexion, 146.0) << "frame " << f;
       }
       for (const int joint : {kBNeck, kBUpperNeck, kBLumbar, kBSpine}) {
-        ASSERT_LT(local(joint).angularDistance(Eigen::Quaterniond::Identity()) * kDegrees, 62.0) << "frame " << f;
+        ASSERT_LT(DegFromRad(local(joint).angularDistance(Eigen::Quaterniond::Identity())), 62.0) << "frame " << f;
       }
     }
   }
@@ -151,7 +150,7 @@ TEST_P(EveryActivity, MovesSmoothly) {
   const double limit = found == limits.end() ? 300.0 : found->second;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     EXPECT_LT(LargestAcceleration(Play(GetParam(), seed)), limit) << "seed " << seed;
-    // A jump of velocity would be an acceleration eight times as large at eight times the rate.
+    // A jump in velocity would make the acceleration eight times as large at eight times the frame rate.
     EXPECT_LT(LargestAcceleration(Play(GetParam(), seed, 400.0, 3000)), 3.0 * limit) << "seed " << seed;
   }
 }
@@ -169,7 +168,8 @@ TEST_P(EveryActivity, StaysAboveTheGround) {
   }
 }
 
-// The longest way an ankle or the ball of a foot goes while the foot stands: low and slow for at least 0.15 s.
+// The longest distance that an ankle or the ball of a foot moves while the foot stands, which means low and slow for at
+// least 0.15 s.
 double LargestSlide(const Played& played, int side, int& stances) {
   const int ball = LegJoint(kBLToes, side);
   double largest = 0.0;
@@ -179,7 +179,7 @@ double LargestSlide(const Played& played, int side, int& stances) {
     const bool stands = played.At(f, ball).z() < 22.0 && velocity.norm() < 0.35;
     if (stands && begin < 0) begin = f;
     if (stands || begin < 0) continue;
-    // The first and last frame of a stance are still those of landing and leaving.
+    // The first and last frames of a stance still belong to landing and leaving.
     if (f - begin >= 8) {
       ++stances;
       for (int g = begin + 3; g < f - 3; ++g) {
@@ -311,7 +311,7 @@ TEST(Procedural, SittersBendTheirHips) {
     for (int f = 0; f < played.frames(); ++f) {
       const Vector3d trunk = played.At(f, kBThorax) - played.At(f, kBHip);
       const Vector3d thigh = played.At(f, kBLKnee) - played.At(f, kBLHip);
-      const double hip = 180.0 - std::acos(trunk.normalized().dot(thigh.normalized())) * kDegrees;
+      const double hip = 180.0 - DegFromRad(std::acos(trunk.normalized().dot(thigh.normalized())));
       seated += hip > 55.0 && played.At(f, kBHip).z() < 0.42 * MakeBody(seed).stature ? 1 : 0;
     }
     EXPECT_GT(seated, 100) << seed;
@@ -332,7 +332,7 @@ TEST(Procedural, ReachersReachAndBend) {
         lowest = std::min(lowest, height);
       }
       const Vector3d trunk = (played.At(f, kBThorax) - played.At(f, kBHip)).normalized();
-      deepest_bend = std::max(deepest_bend, std::acos(trunk.z()) * kDegrees);
+      deepest_bend = std::max(deepest_bend, DegFromRad(std::acos(trunk.z())));
     }
   }
   EXPECT_GT(highest, 1.08);
@@ -391,7 +391,7 @@ TEST(Procedural, SkiersLeanIntoTheirTurns) {
       const Vector3d legs = (played.At(f, kBHip) - feet).normalized();
       const Vector3d way = played.At(f + 10, kBLFoot) - played.At(f - 10, kBLFoot);
       const Vector3d to_left = Vector3d(-way.y(), way.x(), 0).normalized();
-      const double lean = std::asin(legs.dot(to_left)) * kDegrees;
+      const double lean = DegFromRad(std::asin(legs.dot(to_left)));
       left = std::max(left, lean);
       right = std::min(right, lean);
       const Vector3d before = played.At(f, kBLFoot) - played.At(f - 10, kBLFoot);

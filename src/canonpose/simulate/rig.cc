@@ -16,13 +16,13 @@ Eigen::Vector3d Around(double azimuth_rad, double distance_mm, double height_mm)
   return {distance_mm * std::cos(azimuth_rad), distance_mm * std::sin(azimuth_rad), height_mm};
 }
 
-/// A camera aimed by a person at the middle of the subject's volume: about there, about level.
+/// A camera that a person has aimed at the middle of the subject's volume: roughly there, and roughly level.
 FilmingCamera MakeStatic(const std::string& name, const Eigen::Vector3d& position_mm, double focal_px, const Lens& lens,
                          Rng& rng) {
   Camera camera;
   lens.Apply(focal_px, camera);
   const Eigen::Vector3d target(80.0 * rng.Normal(), 80.0 * rng.Normal(), kAimHeightMm + 60.0 * rng.Normal());
-  Aim(position_mm, target, Radians(1.0) * rng.Normal(), camera);
+  Aim(position_mm, target, RadFromDeg(1.0) * rng.Normal(), camera);
   return {name, lens.image_size, {camera}};
 }
 
@@ -42,7 +42,7 @@ std::unique_ptr<Rig> MakeStudioRig(const RigOptions& options, Rng& rng) {
   return std::make_unique<StaticRig>(std::move(cameras));
 }
 
-/// A level of the ring: heights and distances in metres, focal length in pixels.
+/// One level of the ring: heights and distances in metres, focal length in pixels.
 struct RingLevel {
   double low_m;
   double high_m;
@@ -52,7 +52,8 @@ struct RingLevel {
 };
 
 std::unique_ptr<Rig> MakeRingRig(const RigOptions& options, Rng& rng) {
-  // Chest height, ceiling, chest height, near the floor, and so on around the ring. The nearer, the wider the lens.
+  // Chest height, ceiling, chest height, near the floor, and so on around the ring. The closer the camera, the wider
+  // its lens.
   static constexpr RingLevel kLevels[] = {{1.0, 1.7, 3.2, 4.2, 1500.0},
                                           {2.8, 3.3, 1.8, 2.8, 1050.0},
                                           {1.0, 1.7, 3.2, 4.2, 1500.0},
@@ -85,24 +86,23 @@ bool RigOptions::IsFile() const {
 
 void RigOptions::Validate() const {
   if (cameras < 0 || cameras == 1 || cameras > kMaxCameras) {
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("`cameras` {}: expected 2 to {} cameras, or 0 for as many as the rig has by itself",
-                            cameras, kMaxCameras));
+    throw Error(ErrorKind::kBadInput, fmt::format("`cameras` {}: expected 2 to {} cameras, or 0 for the rig's default",
+                                                  cameras, kMaxCameras));
   }
   if (!IsBuiltinKind(kind) && !IsFile()) {
-    ThrowInvalidArgument("`rig` {} is not known; choose studio, ring, ptz, handheld or a JSON file", kind);
+    ThrowInvalidArgument("there is no `rig` {}; choose studio, ring, ptz, handheld or a JSON file", kind);
   }
   if (spread != "even" && spread != "opposite" && spread != "quarter" && spread != "clustered") {
-    ThrowInvalidArgument("`spread` {} is not known; choose even, opposite, quarter or clustered", spread);
+    ThrowInvalidArgument("there is no `spread` {}; choose even, opposite, quarter or clustered", spread);
   }
   if (!(distance_m == 0.0 || (distance_m >= 1.0 && distance_m <= 1000.0))) {
-    ThrowInvalidArgument("`distance` {} is out of range; give 1 to 1000 m, or 0 for the rig's own", distance_m);
+    ThrowInvalidArgument("`distance` {} is out of range; give 1 to 1000 m, or 0 for the rig's default", distance_m);
   }
   if (!(distortion >= 0.0 && distortion <= 2.0))
     ThrowInvalidArgument("`distortion` {} is out of range; give 0 to 2", distortion);
   if (IsFile() && (cameras != 0 || spread != "even" || distance_m != 0.0 || distortion != 0.0)) {
     ThrowInvalidArgument(
-        "`rig` {} says itself where its cameras are; leave out `cameras`, `spread`, `distance` and `distortion`", kind);
+        "`rig` {} already defines its cameras; leave out `cameras`, `spread`, `distance` and `distortion`", kind);
   }
 }
 

@@ -9,13 +9,13 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/data/readers/json.h"
+#include "canonpose/data/codecs/json.h"
 #include "canonpose/simulate/rig_parts.h"
 
 namespace canonpose {
 namespace {
 
-/// Rotations are written with at least five digits.
+/// Rotations must be written with at least five digits.
 constexpr double kRotationTolerance = 1e-4;
 
 Eigen::Vector3d Vector3(const JsonValue& value) {
@@ -35,7 +35,7 @@ Eigen::Matrix3d Rotation(const JsonValue& value) {
   const Eigen::Matrix3d rotation = Matrix3(value);
   const double error = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (error > kRotationTolerance) {
-    value.Fail("a rotation, camera_from_world", "write it with six digits or more; rows are the camera's x, y, z",
+    value.Fail("a rotation, camera_from_world", "write it with at least six digits; rows are the camera's x, y, z",
                fmt::format("a matrix whose rows are not orthonormal (R R^T is off by {:.2g})", error));
   }
   if (rotation.determinant() < 0.0) {
@@ -69,7 +69,7 @@ std::array<int, 2> ImageSize(const JsonValue& value) {
   return size;
 }
 
-/// How deeply arrays lie in one another: 1 for [..], 2 for [[..]].
+/// How deeply arrays are nested: 1 for [..], 2 for [[..]].
 int Depth(const JsonValue& value) {
   int depth = 0;
   const nlohmann::json* inner = &value.json();
@@ -77,8 +77,8 @@ int Depth(const JsonValue& value) {
   return depth;
 }
 
-/// Calls `read` on a value that all frames share, or on each frame's where there is one more level of arrays. Returns
-/// the number of frames, 1 for a shared value.
+/// Calls `read` on a value that all frames share, or, if there is one more level of arrays, on the value of each frame.
+/// Returns the number of frames, 1 for a shared value.
 std::size_t ReadFrames(const JsonValue& value, int own_depth, const std::function<void(const JsonValue&)>& read) {
   if (Depth(value) <= own_depth) {
     read(value);
@@ -92,7 +92,7 @@ std::size_t ReadFrames(const JsonValue& value, int own_depth, const std::functio
 void CheckFrames(const JsonValue& value, std::size_t frames, std::size_t found) {
   if (found == 1 || found == frames) return;
   value.Fail(fmt::format("{} frames, as many as the camera's other parts have", frames),
-             "give each part once, or once a frame", fmt::format("{}", found));
+             "give each part once, or once per frame", fmt::format("{}", found));
 }
 
 /// R and t, or K, that change over time: as many cameras as there are frames.
@@ -119,7 +119,7 @@ std::vector<Camera> ReadCalibrated(const JsonValue& value) {
 Camera ReadLookingAt(const JsonValue& value, std::array<int, 2> image_size) {
   for (const char* key : {"K", "R", "t"}) {
     if (const std::optional<JsonValue> other = value.Find(key)) {
-      other->Fail("nothing beside position_m", "give K, R and t, or position_m, look_at_m and focal_px");
+      other->Fail("none of these together with position_m", "give K, R and t, or position_m, look_at_m and focal_px");
     }
   }
   const Eigen::Vector3d position = 1000.0 * Vector3(value["position_m"]);
@@ -130,7 +130,7 @@ Camera ReadLookingAt(const JsonValue& value, std::array<int, 2> image_size) {
   Camera camera;
   camera.K << focal_px, 0.0, image_size[0] / 2.0, 0.0, focal_px, image_size[1] / 2.0, 0.0, 0.0, 1.0;
   const std::optional<JsonValue> roll = value.Find("roll_deg");
-  Aim(position, target, roll ? Radians(roll->Number()) : 0.0, camera);
+  Aim(position, target, roll ? RadFromDeg(roll->Number()) : 0.0, camera);
   return camera;
 }
 
@@ -157,7 +157,7 @@ FilmingCamera ReadCamera(const JsonValue& value) {
   return filming;
 }
 
-/// Cameras whose places over time a file gives.
+/// Cameras whose parameters over time are given by a file.
 class MovingFileRig : public Rig {
  public:
   MovingFileRig(std::string file, std::vector<FilmingCamera> cameras)
@@ -191,7 +191,7 @@ std::unique_ptr<Rig> ReadRigFile(const std::filesystem::path& path) {
   const JsonValue root = JsonValue::Load(path);
   const JsonValue list = root["cameras"];
   const std::size_t count = list.ArraySize();
-  if (count < 2) list.Fail("at least 2 cameras", "one view alone teaches nothing", fmt::format("{}", count));
+  if (count < 2) list.Fail("at least 2 cameras", "nothing can be learned from a single view", fmt::format("{}", count));
   std::vector<FilmingCamera> cameras;
   std::set<std::string> names;
   std::size_t frames = 1;
@@ -199,11 +199,11 @@ std::unique_ptr<Rig> ReadRigFile(const std::filesystem::path& path) {
     const JsonValue value = list.At(i);
     FilmingCamera camera = ReadCamera(value);
     if (!names.insert(camera.name).second) {
-      value["name"].Fail("a name of its own", "rename one of the two cameras", fmt::format("{} again", camera.name));
+      value["name"].Fail("another name", "rename one of the two cameras", fmt::format("{} again", camera.name));
     }
     const std::size_t own = camera.cameras.size();
     if (own > 1 && frames > 1 && own != frames) {
-      value.Fail(fmt::format("{} frames, as many as the cameras before", frames), "", fmt::format("{}", own));
+      value.Fail(fmt::format("{} frames, as many as the previous cameras", frames), "", fmt::format("{}", own));
     }
     frames = std::max(frames, own);
     cameras.push_back(std::move(camera));

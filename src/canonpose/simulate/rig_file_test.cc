@@ -25,7 +25,7 @@ Json Matrix(const Eigen::Matrix3d& m) {
 
 Json Vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-/// A rig as its file has it: parts that change are arrays over frames.
+/// A rig in the form of its file: parts that change are arrays over frames.
 Json RigJson(const std::vector<FilmingCamera>& filming) {
   Json cameras = Json::array();
   for (const FilmingCamera& camera : filming) {
@@ -57,7 +57,7 @@ class RigFile : public ::testing::Test {
   }
   std::unique_ptr<Rig> Read(const Json& json) { return ReadText(json.dump()); }
 
-  /// The message for a good file after a change; without the folder.
+  /// The message for a valid file after a change; without the folder.
   template <typename Change>
   std::string Refusal(Change&& change) {
     Json json = good_;
@@ -80,7 +80,7 @@ class RigFile : public ::testing::Test {
   const Json good_ = RigJson(Filmed("studio", track_));
 };
 
-TEST_F(RigFile, GivesTheCamerasThatWereWritten) {
+TEST_F(RigFile, ReadsTheCamerasThatWereWritten) {
   for (const char* kind : {"studio", "ptz"}) {
     const std::vector<FilmingCamera> written = Filmed(kind, track_);
     const std::unique_ptr<Rig> rig = Read(RigJson(written));
@@ -109,13 +109,13 @@ TEST_F(RigFile, TakesPositionAndTarget) {
       {"name": "b", "image_size": [1000, 800], "position_m": [0, 4, 1.5], "look_at_m": [0, 0, 1.5], "focal_px": 1000,
        "roll_deg": 90}]})")
                            ->Film(track_, Rng(0));
-  // Half a metre up and half a metre to the left of one who faces +x, at 4 m: 125 px.
+  // Half a metre up and half a metre to the left, facing +x, at 4 m: 125 px.
   EXPECT_NEAR((cameras[0].cameras[0].Project({0, 500, 2000}) - Eigen::Vector2d(625, 275)).norm(), 0.0, 1e-9);
-  // Rolled clockwise, the picture turns the other way: what was above is on the left.
+  // When the camera rolls clockwise, the image turns the other way: what was above is on the left.
   EXPECT_NEAR((cameras[1].cameras[0].Project({0, 0, 2000}) - Eigen::Vector2d(375, 400)).norm(), 0.0, 1e-9);
 }
 
-TEST_F(RigFile, RefusesCamerasThatCannotBe) {
+TEST_F(RigFile, RefusesInvalidCameras) {
   EXPECT_EQ(
       Refusal([](Json& j) {
         for (int c = 0; c < 3; ++c) j["cameras"][2]["R"][1][c] = -j["cameras"][2]["R"][1][c].get<double>();
@@ -140,7 +140,7 @@ TEST_F(RigFile, RefusesCamerasThatCannotBe) {
   EXPECT_THAT(Refusal([](Json& j) { j["cameras"][0].erase("t"); }), HasSubstr("t"));
   EXPECT_THAT(Refusal([](Json& j) { j["cameras"][0]["distortion"] = {1.0}; }), HasSubstr("cameras[0].distortion"));
   EXPECT_THAT(Refusal([](Json& j) { j["cameras"][1]["name"] = j["cameras"][0]["name"]; }),
-              HasSubstr("cameras[1].name: expected a name of its own"));
+              HasSubstr("cameras[1].name: expected another name"));
   EXPECT_THAT(Refusal([](Json& j) { j["cameras"].erase(1), j["cameras"].erase(1), j["cameras"].erase(1); }),
               HasSubstr("cameras: expected at least 2 cameras, found 1"));
   EXPECT_THAT(Refusal([](Json& j) { j["cameras"] = 3; }), HasSubstr("cameras"));

@@ -13,11 +13,11 @@
 namespace canonpose {
 namespace {
 
-/// The middle of the body: cameras are aimed at the pelvis, that is where an operator's eye is.
+/// The middle of the body: operators aim at the pelvis.
 const Eigen::Vector3d& Pelvis(const LandmarkTrack& track, int frame) { return track.At(frame, kHip); }
 
-/// Follows a moving point as a hand does: a damped spring pulls it towards the point and its speed, so that a steady
-/// motion is followed without lag, a change of speed with one of about the time constant.
+/// Follows a moving point as a hand does. A damped spring pulls towards the point's position and velocity, so that a
+/// steady motion is followed without lag, and a change of speed with a lag of about the time constant.
 class Follower {
  public:
   Follower(const Eigen::Vector3d& start, double time_constant_seconds, double fps)
@@ -48,20 +48,20 @@ class Follower {
   bool first_ = true;
 };
 
-/// A follower that already follows: it has seen the first two frames before.
+/// A follower that is already following: it starts with the motion of the first two frames.
 Follower FollowPelvis(const LandmarkTrack& track, double time_constant_seconds) {
-  CANONPOSE_CHECK(track.fps > 0.0, "clip {} has {} frames a second", track.name, track.fps);
+  CANONPOSE_CHECK(track.fps > 0.0, "clip {} has {} frames per second", track.name, track.fps);
   const Eigen::Vector3d& first = Pelvis(track, 0);
   const Eigen::Vector3d step = track.frame_count() > 1 ? (Pelvis(track, 1) - first).eval() : Eigen::Vector3d::Zero();
   Follower follower(first - step, time_constant_seconds, track.fps);
   return follower;
 }
 
-/// Grows linearly, then bends so that it never passes the limit.
+/// Grows linearly, then saturates below the limit.
 double Limited(double value, double limit) { return limit * std::tanh(value / limit); }
 
-/// Turns a camera so that a point appears at an offset (shares of the picture's height, right and down) from where a
-/// camera aimed at it would show it.
+/// Turns a camera so that a point appears at an offset (right and down, as fractions of the image's height) from where
+/// a camera aimed at it would show it.
 void AimBeside(const Eigen::Vector3d& position_mm, const Eigen::Vector3d& point_mm, const Eigen::Vector2d& offset,
                double focal_px, int image_height_px, double roll_rad, Camera& camera) {
   Aim(position_mm, point_mm, 0.0, camera);
@@ -74,11 +74,11 @@ void AimBeside(const Eigen::Vector3d& position_mm, const Eigen::Vector3d& point_
 // --- pan, tilt and zoom ---------------------------------------------------------------------------------------------
 
 constexpr double kPtzLagSeconds = 0.2;
-/// The person's height in the picture, as a share of the picture's, stays in this range.
+/// The range of the person's height in the image, as a fraction of the image's height.
 constexpr double kMinFill = 0.25;
 constexpr double kMaxFill = 0.60;
 constexpr double kFillTimeSeconds = 3.0;
-/// Operators' error: standard deviation and limit as shares of the picture's height.
+/// Operators' errors: standard deviation and limit, as fractions of the image's height.
 constexpr double kPtzAimError = 0.05;
 constexpr double kPtzMostOffset = 0.15;
 constexpr double kPtzAimTimeSeconds = 0.6;
@@ -86,13 +86,13 @@ constexpr double kPtzAimTimeSeconds = 0.6;
 struct PtzCamera {
   double azimuth_rad;
   double distance_mm;
-  double elevation_rad;  ///< above the subject, seen from it
-  double fill;           ///< 0..1: what the operator likes, between kMinFill and kMaxFill
+  double elevation_rad;  ///< of the camera, seen from the subject
+  double fill;           ///< 0..1: the operator's preference between kMinFill and kMaxFill
   Lens lens;
 };
 
-/// Where the camera stands: beside the course, so that the subject never comes much nearer than its distance.
-Eigen::Vector3d Place(const PtzCamera& camera, const LandmarkTrack& track) {
+/// The camera's position beside the course, such that the subject never comes much closer than its distance.
+Eigen::Vector3d PlaceOf(const PtzCamera& camera, const LandmarkTrack& track) {
   const Eigen::Vector3d away(std::cos(camera.azimuth_rad), std::sin(camera.azimuth_rad), 0.0);
   double reach = 0.0;
   for (int t = 0; t < track.frame_count(); ++t) reach = std::max(reach, away.dot(Pelvis(track, t)));
@@ -104,7 +104,7 @@ Eigen::Vector3d Place(const PtzCamera& camera, const LandmarkTrack& track) {
 std::vector<Camera> FilmOne(const PtzCamera& ptz, const LandmarkTrack& track, Rng& rng) {
   std::vector<Camera> cameras(static_cast<std::size_t>(track.frame_count()));
   if (cameras.empty()) return cameras;
-  const Eigen::Vector3d position = Place(ptz, track);
+  const Eigen::Vector3d position = PlaceOf(ptz, track);
   const double stature_mm = StatureMm(&track.At(0, 0));
   Follower follower = FollowPelvis(track, kPtzLagSeconds);
   SmoothNoise error_x(kPtzAimTimeSeconds, track.fps, rng);
@@ -121,13 +121,13 @@ std::vector<Camera> FilmOne(const PtzCamera& ptz, const LandmarkTrack& track, Rn
     const double depth = (followed - position).norm();
     const double focal_px = fill * height_px * depth / stature_mm;
     ptz.lens.Apply(focal_px, camera);
-    // Lag and unsteady hands together move the subject off the centre, no further than an operator lets it.
+    // Lag and unsteady hands together move the subject off the centre, but only as far as an operator allows.
     Aim(position, followed, 0.0, camera);
     const Eigen::Vector3d seen = camera.InCamera(pelvis);
     const Eigen::Vector2d lag = seen.head<2>() * (focal_px / (seen.z() * height_px));
     const Eigen::Vector2d offset(Limited(lag.x() + kPtzAimError * error_x.Next(rng), kPtzMostOffset),
                                  Limited(lag.y() + kPtzAimError * error_y.Next(rng), kPtzMostOffset / 2.0));
-    AimBeside(position, pelvis, offset, focal_px, height_px, Radians(0.7) * roll.Next(rng), camera);
+    AimBeside(position, pelvis, offset, focal_px, height_px, RadFromDeg(0.7) * roll.Next(rng), camera);
   }
   return cameras;
 }
@@ -143,7 +143,7 @@ struct HandheldCamera {
   Lens lens;
 };
 
-/// Steps back from a subject that comes too near, or runs through where the operator stands.
+/// Moves the operator back from a subject that comes too close or would run into the operator.
 void KeepAway(const Eigen::Vector3d& pelvis, double least_mm, double azimuth, Eigen::Vector3d& position) {
   const Eigen::Vector2d away(std::cos(azimuth), std::sin(azimuth));
   const double distance = (position - pelvis).head<2>().dot(away);
@@ -153,7 +153,7 @@ void KeepAway(const Eigen::Vector3d& pelvis, double least_mm, double azimuth, Ei
 std::vector<Camera> FilmOne(const HandheldCamera& person, const LandmarkTrack& track, Rng& rng) {
   std::vector<Camera> cameras(static_cast<std::size_t>(track.frame_count()));
   if (cameras.empty()) return cameras;
-  // The operator walks along with the subject, slowly, and turns the camera after it, faster.
+  // The operator walks along with the subject slowly, and turns the camera after it faster.
   Follower walk = FollowPelvis(track, 0.8);
   Follower turn = FollowPelvis(track, 0.15);
   SmoothNoise orbit(2.0, track.fps, rng);
@@ -168,9 +168,10 @@ std::vector<Camera> FilmOne(const HandheldCamera& person, const LandmarkTrack& t
   for (int t = 0; t < track.frame_count(); ++t) {
     Camera& camera = cameras[static_cast<std::size_t>(t)];
     const double seconds = t / track.fps;
-    const double azimuth = person.azimuth_rad + person.orbit_rad_per_second * seconds + Radians(12.0) * orbit.Next(rng);
+    const double azimuth =
+        person.azimuth_rad + person.orbit_rad_per_second * seconds + RadFromDeg(12.0) * orbit.Next(rng);
     const double distance = person.distance_mm * (1.0 + Limited(0.1 * nearness.Next(rng), 0.25));
-    // A walker's head bobs at two steps a second.
+    // A walker's head bobs at about two steps per second.
     const double bob_mm = 15.0 * std::sin(2.0 * std::numbers::pi * 1.9 * seconds + step_phase);
     const Eigen::Vector3d centre = walk.Next(Pelvis(track, t));
     Eigen::Vector3d position(centre.x() + distance * std::cos(azimuth), centre.y() + distance * std::sin(azimuth),
@@ -178,17 +179,17 @@ std::vector<Camera> FilmOne(const HandheldCamera& person, const LandmarkTrack& t
     KeepAway(Pelvis(track, t), 0.6 * person.distance_mm, azimuth, position);
     person.lens.Apply(person.focal_px, camera);
     const double distance_now = (Pelvis(track, t) - position).norm();
-    // The aim's errors are angles of the hand: 1.5 degrees slowly, 0.2 degrees of tremble.
+    // Errors of the aim are angles of the hand: 1.5 degrees slowly, 0.2 degrees of tremor.
     const double height_px = person.lens.image_size[1];
     const double per_radian = person.focal_px / height_px;
     const Eigen::Vector2d offset(
-        Limited(per_radian * (Radians(1.5) * error_x.Next(rng) + Radians(0.2) * shake_x.Next(rng)), 0.12),
-        Limited(per_radian * (Radians(1.5) * error_y.Next(rng) + Radians(0.2) * shake_y.Next(rng)), 0.08));
+        Limited(per_radian * (RadFromDeg(1.5) * error_x.Next(rng) + RadFromDeg(0.2) * shake_x.Next(rng)), 0.12),
+        Limited(per_radian * (RadFromDeg(1.5) * error_y.Next(rng) + RadFromDeg(0.2) * shake_y.Next(rng)), 0.08));
     Eigen::Vector3d followed = turn.Next(Pelvis(track, t));
     const Eigen::Vector3d lag = followed - Pelvis(track, t);
     const double most_lag = 0.1 * height_px * distance_now / person.focal_px;
     if (lag.norm() > 0.0) followed = Pelvis(track, t) + lag * (Limited(lag.norm(), most_lag) / lag.norm());
-    AimBeside(position, followed, offset, person.focal_px, person.lens.image_size[1], Radians(1.5) * roll.Next(rng),
+    AimBeside(position, followed, offset, person.focal_px, person.lens.image_size[1], RadFromDeg(1.5) * roll.Next(rng),
               camera);
   }
   return cameras;
@@ -196,7 +197,7 @@ std::vector<Camera> FilmOne(const HandheldCamera& person, const LandmarkTrack& t
 
 // --------------------------------------------------------------------------------------------------------------------
 
-/// Cameras that people operate, of a kind that FilmOne() knows.
+/// Cameras operated by people, of a kind that FilmOne() implements.
 template <typename OperatedCamera>
 class OperatedRig : public Rig {
  public:
@@ -227,7 +228,7 @@ std::unique_ptr<Rig> MakePtzRig(const RigOptions& options, Rng& rng) {
     camera.azimuth_rad = azimuth;
     const double own_m = 10.0 * std::pow(6.0, rng.Uniform());
     camera.distance_mm = 1000.0 * (options.distance_m > 0.0 ? options.distance_m * rng.Uniform(0.7, 1.3) : own_m);
-    camera.elevation_rad = Radians(rng.Uniform(-6.0, 14.0));
+    camera.elevation_rad = RadFromDeg(rng.Uniform(-6.0, 14.0));
     camera.fill = rng.Uniform(0.2, 0.8);
     camera.lens = MakeLens({1920, 1080}, options.distortion, rng);
     cameras.push_back(camera);
@@ -245,8 +246,8 @@ std::unique_ptr<Rig> MakeHandheldRig(const RigOptions& options, Rng& rng) {
     camera.azimuth_rad = azimuth;
     camera.distance_mm = 1000.0 * kOwnDistanceM * enlarge * rng.Uniform(0.75, 1.25);
     camera.height_mm = 1000.0 * rng.Uniform(1.3, 1.65);
-    camera.orbit_rad_per_second = Radians(3.0) * rng.Normal();
-    // The main lens of a phone, 26 to 30 mm on the long side of 36 mm film.
+    camera.orbit_rad_per_second = RadFromDeg(3.0) * rng.Normal();
+    // The main lens of a phone, 26 to 30 mm in 35 mm equivalent.
     camera.focal_px = enlarge * 1920.0 * rng.Uniform(26.0, 30.0) / 36.0;
     const bool is_portrait = rng.Uniform() < 0.4;
     const std::array<int, 2> image_size = is_portrait ? std::array{1080, 1920} : std::array{1920, 1080};

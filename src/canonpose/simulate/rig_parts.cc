@@ -11,12 +11,12 @@
 namespace canonpose {
 namespace {
 
-/// Barrel distortion at the corner of a wide lens of strength 1, as a share of the radius: k1 is about -0.25 where the
-/// diagonal field of view is 85 degrees. The quartic term undoes 30 % of it there. The derivative of the distorted
-/// radius, 1 - 0.6 s u + 0.3 s u^2 with u = (r / corner)^2, stays above 0 for every strength s < 3.3.
+/// Barrel distortion at the corner of a wide lens of strength 1, as a fraction of the radius: k1 is about -0.25 where
+/// the diagonal field of view is 85 degrees. The quartic term compensates 30 % of it there. The derivative of the
+/// distorted radius, 1 - 0.6 s u + 0.3 s u^2 with u = (r / corner)^2, stays positive for every strength s < 3.3.
 constexpr double kWideCornerDistortion = -0.20;
 constexpr double kQuarticShare = -0.30;
-/// Tangent of half the diagonal field of view from which on a lens counts as wide; longer lenses distort less.
+/// Tangent of half the diagonal field of view above which a lens counts as wide; longer lenses distort less.
 constexpr double kWideCornerTangent = 0.9;
 constexpr double kTangentialAtCorner = 0.002;
 
@@ -25,8 +25,6 @@ double CornerTangent(std::array<int, 2> image_size, double focal_px) {
 }
 
 }  // namespace
-
-double Radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 void Lens::Apply(double focal_px, Camera& camera) const {
   camera.K << focal_px, 0.0, principal_point_px.x(),  //
@@ -54,7 +52,7 @@ Lens MakeLens(std::array<int, 2> image_size, double distortion, Rng& rng) {
 
 void Aim(const Eigen::Vector3d& position_mm, const Eigen::Vector3d& target_mm, double roll_rad, Camera& camera) {
   const Eigen::Vector3d forward = (target_mm - position_mm).normalized();
-  // Straight up or down there is no level horizon: any will do.
+  // Straight up or down there is no horizon, so any roll will do.
   const bool is_vertical = std::abs(forward.z()) > 1.0 - 1e-9;
   const Eigen::Vector3d up = is_vertical ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d right = forward.cross(up).normalized();
@@ -71,26 +69,27 @@ std::vector<double> Azimuths(const std::string& spread, int count, Rng& rng) {
   const double first = rng.Uniform(0.0, 2.0 * std::numbers::pi);
   const double step = 2.0 * std::numbers::pi / count;
   std::vector<double> azimuths;
-  // Cameras from one end of an arc to the other: two of a quarter are nearly 90 degrees apart. None leaves the arc.
+  // Cameras spread over the arc from end to end, so that two over a quarter are nearly 90 degrees apart. None leaves
+  // the arc.
   const auto within = [&](double arc_degrees) {
     constexpr double kMargin = 0.04;
     for (int i = 0; i < count; ++i) {
       const double share = kMargin + (1.0 - 2.0 * kMargin) * i / std::max(1, count - 1);
-      azimuths.push_back(first + Radians(arc_degrees) * (share + rng.Uniform(-kMargin, kMargin)));
+      azimuths.push_back(first + RadFromDeg(arc_degrees) * (share + rng.Uniform(-kMargin, kMargin)));
     }
   };
   if (spread == "even") {
     for (int i = 0; i < count; ++i) azimuths.push_back(first + step * (i + rng.Uniform(-0.12, 0.12)));
   } else if (spread == "opposite") {
     for (int i = 0; i < count; ++i) {
-      azimuths.push_back(first + (i % 2) * std::numbers::pi + Radians(rng.Uniform(-10.0, 10.0)));
+      azimuths.push_back(first + (i % 2) * std::numbers::pi + RadFromDeg(rng.Uniform(-10.0, 10.0)));
     }
   } else if (spread == "quarter") {
     within(90.0);
   } else if (spread == "clustered") {
     within(30.0);
   } else {
-    ThrowInvalidArgument("`spread` {} is not known; choose even, opposite, quarter or clustered", spread);
+    ThrowInvalidArgument("there is no `spread` {}; choose even, opposite, quarter or clustered", spread);
   }
   return azimuths;
 }

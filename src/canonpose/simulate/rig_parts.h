@@ -1,4 +1,4 @@
-// Shared by the kinds of rigs: aiming, lenses and where cameras stand. Internal to simulate/.
+// Shared by the kinds of rigs: aiming, lenses and positions of cameras. Internal to simulate/.
 #pragma once
 
 #include <array>
@@ -9,33 +9,32 @@
 #include <Eigen/Core>
 
 #include "canonpose/base/random.h"
+#include "canonpose/geometry/angles.h"
 #include "canonpose/simulate/rig.h"
 
 namespace canonpose {
 
-/// Height above ground of the middle of a standing person, what cameras are aimed at.
+/// Height above the ground of the middle of a standing person, at which cameras are aimed.
 inline constexpr double kAimHeightMm = 950.0;
 
-double Radians(double degrees);
-
-/// A lens and sensor apart from zoom: what stays of the intrinsics when the focal length changes.
+/// A lens and sensor without the zoom: the part of the intrinsics that does not depend on the focal length.
 struct Lens {
   std::array<int, 2> image_size{0, 0};
   Eigen::Vector2d principal_point_px{0.0, 0.0};
   double pixel_aspect = 1.0;  ///< fy / fx
-  /// Radial displacement at the corner of the picture as a share of the radius, by the quadratic and the quartic term.
+  /// Radial displacement at the corner of the image as a fraction of the radius, by the quadratic and the quartic term.
   std::array<double, 2> corner_distortion{0.0, 0.0};
   std::array<double, 2> tangential{0.0, 0.0};  ///< p1, p2 times the corner's radius
 
-  /// Sets K and distortion of a camera with this lens at a focal length.
+  /// Sets K and distortion of a camera for this lens and a focal length.
   void Apply(double focal_px, Camera& camera) const;
 };
 
-/// A lens with a centre a little off (by about 1 %), and distortion of the strength of RigOptions.
+/// A lens whose centre is slightly off (by about 1 %), with distortion of the strength in RigOptions.
 Lens MakeLens(std::array<int, 2> image_size, double distortion, Rng& rng);
 
-/// Turns a camera at `position` so that it looks at `target`, its horizon level but for `roll` (radians, clockwise as
-/// the camera sees it).
+/// Turns a camera at `position` to look at `target`, with a level horizon except for `roll` (radians, clockwise as seen
+/// by the camera).
 void Aim(const Eigen::Vector3d& position_mm, const Eigen::Vector3d& target_mm, double roll_rad, Camera& camera);
 
 /// Directions from the subject to the cameras (radians, anticlockwise from x), by RigOptions::spread.

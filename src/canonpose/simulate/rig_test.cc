@@ -1,11 +1,11 @@
 #include "canonpose/simulate/rig.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "canonpose/base/testing.h"
+#include "canonpose/geometry/angles.h"
 #include "canonpose/simulate/figure_testing.h"
 
 namespace canonpose {
@@ -24,7 +24,7 @@ Eigen::Vector3d Centre(const Camera& camera) {
 
 double AzimuthDegrees(const FilmingCamera& camera) {
   const Eigen::Vector3d centre = Centre(camera.cameras.front());
-  return std::atan2(centre.y(), centre.x()) * 180.0 / std::numbers::pi;
+  return DegFromRad(std::atan2(centre.y(), centre.x()));
 }
 
 double AngleBetween(double a, double b) { return std::abs(std::remainder(a - b, 360.0)); }
@@ -33,7 +33,7 @@ bool IsInside(const Eigen::Vector2d& pixel, const std::array<int, 2>& size) {
   return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < size[0] && pixel.y() < size[1];
 }
 
-/// Share of landmarks that a rig's cameras have in the picture.
+/// Fraction of landmarks that are in the images of a rig's cameras.
 double ShareInside(const std::vector<FilmingCamera>& filming, const LandmarkTrack& track) {
   int inside = 0;
   int all = 0;
@@ -72,7 +72,7 @@ TEST_P(RigKinds, AreCamerasThatSeeTheSubjectUpright) {
   }
 }
 
-TEST_P(RigKinds, ShowTheLeftHandOfOneWhoFacesTheCameraOnTheRight) {
+TEST_P(RigKinds, ShowTheLeftHandOfAPersonFacingTheCameraOnTheRight) {
   RigOptions options;
   options.kind = GetParam();
   LandmarkTrack track = WalkInCircle(2, 25.0, 0.0);
@@ -109,7 +109,7 @@ TEST_P(RigKinds, TakeAnyNumberOfCamerasAndEverySpread) {
   }
 }
 
-TEST_P(RigKinds, KeepTheDistanceAskedForAndTheSubjectsSize) {
+TEST_P(RigKinds, KeepTheRequestedDistanceAndTheSubjectsSize) {
   const LandmarkTrack track = WalkInCircle(10, 25.0, 0.0);
   RigOptions options;
   options.kind = GetParam();
@@ -127,12 +127,12 @@ TEST_P(RigKinds, KeepTheDistanceAskedForAndTheSubjectsSize) {
     distance += Centre(camera.cameras.front()).head<2>().norm() / 60.0;
     far_size += size(camera) / 60.0;
   }
-  // A ring's levels have distances of their own; 12 m is that of the ones at chest height.
+  // A ring's levels have different distances; 12 m is that of the cameras at chest height.
   EXPECT_NEAR(distance, 12000.0, options.kind == std::string("ring") ? 2500.0 : 900.0);
   EXPECT_NEAR(far_size / own_size, 1.0, 0.25);
 }
 
-TEST_P(RigKinds, DistortSoThatEveryPixelCanBeUndone) {
+TEST_P(RigKinds, HaveInvertibleDistortion) {
   const LandmarkTrack track = WalkInCircle(30, 25.0);
   RigOptions options;
   options.kind = GetParam();
@@ -152,7 +152,7 @@ TEST_P(RigKinds, DistortSoThatEveryPixelCanBeUndone) {
   }
 }
 
-TEST(Rig, SpreadsCamerasAsAsked) {
+TEST(Rig, SpreadsCamerasAsRequested) {
   const LandmarkTrack track = WalkInCircle(1, 25.0, 0.0);
   const auto widest = [&](const char* spread, int count) {
     RigOptions options;
@@ -248,7 +248,7 @@ TEST(Rig, PtzFollowsASkierAndZoomsWithinItsRange) {
         off_centre = std::max(off_centre, std::abs(pixel.x() - now.K(0, 2)) / camera.image_size[1]);
         if (t > 0) {
           const double before = camera.cameras[static_cast<std::size_t>(t - 1)].K(0, 0);
-          EXPECT_NEAR(now.K(0, 0) / before, 1.0, 0.06) << "zooms slowly, at the most as fast as the skier comes";
+          EXPECT_NEAR(now.K(0, 0) / before, 1.0, 0.06) << "zooms slowly, at most as fast as the skier approaches";
         }
       }
       EXPECT_LT(off_centre, 0.16);
@@ -289,14 +289,14 @@ TEST(Rig, HandheldShakesAndWalks) {
   }
 }
 
-TEST(RigOptions, RefusesWhatCannotBe) {
+TEST(RigOptions, RefusesInvalidValues) {
   const auto message = [](ErrorKind code, auto&& change) {
     RigOptions options;
     change(options);
     return ErrorOf(code, [&] { options.Validate(); });
   };
   EXPECT_EQ(message(ErrorKind::kBadInput, [](RigOptions& o) { o.cameras = -4; }),
-            "`cameras` -4: expected 2 to 1000 cameras, or 0 for as many as the rig has by itself");
+            "`cameras` -4: expected 2 to 1000 cameras, or 0 for the rig's default");
   message(ErrorKind::kBadInput, [](RigOptions& o) { o.cameras = 1; });
   message(ErrorKind::kBadInput, [](RigOptions& o) { o.cameras = 100000; });
   message(ErrorKind::kInvalidArgument, [](RigOptions& o) { o.kind = "studioo"; });

@@ -13,15 +13,16 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/hash.h"
 #include "canonpose/base/random.h"
-#include "canonpose/simulate/mocap.h"
+#include "canonpose/motion/landmark_mapping.h"
+#include "canonpose/motion/motion_files.h"
 
 namespace canonpose {
 namespace {
 
 constexpr double kProceduralFps = 50.0;
-/// A clip is made in one piece in memory (about 5 kB a frame and camera).
+/// A clip is kept in memory as a whole (about 5 kB per frame and camera).
 constexpr int kMaxFramesPerClip = 100000;
-/// Every thread holds a clip.
+/// Every thread keeps a clip in memory.
 constexpr std::size_t kMaxThreads = 64;
 constexpr int kMaxClips = 1000000;
 constexpr double kLowestFps = 0.1;
@@ -49,7 +50,7 @@ const Skeleton& RequireSkeleton(const std::string& name, const char* option) {
   return *skeleton;
 }
 
-/// The same for clips that the same static cameras film, also in other files.
+/// The same name for all clips that the same static cameras film, even in different files.
 std::string CaptureName(const std::string& subject, const std::vector<FilmingCamera>& cameras) {
   Fingerprint fingerprint;
   const auto add = [&](const auto& numbers) { fingerprint.Add(numbers.data(), sizeof(numbers[0]) * numbers.size()); };
@@ -60,7 +61,7 @@ std::string CaptureName(const std::string& subject, const std::vector<FilmingCam
     add(camera.K.reshaped());
     add(camera.camera_from_world_rotation.reshaped());
     add(camera.camera_from_world_translation);
-    // k3 was added later: cameras without it keep the names that they had.
+    // k3 was added later; cameras without it keep the names that they had before.
     add(std::span(camera.distortion).first(camera.distortion[4] != 0.0 ? 5 : 4));
   }
   return fmt::format("{}-{:016x}", subject, fingerprint.value());
@@ -72,16 +73,16 @@ void RequireDifferentNames(const std::vector<std::filesystem::path>& files) {
   for (const std::filesystem::path& file : files) {
     const auto [earlier, is_new] = by_name.try_emplace(file.stem().string(), file);
     if (file.stem() == "." || file.stem() == "..") {
-      ThrowBadInput({file.string(), "", "a file with a name before its ending", "none", "rename it"});
+      ThrowBadInput({file.string(), "", "a file with a name before its extension", "none", "rename it"});
     }
     if (is_new) continue;
     ThrowBadInput({file.string(), "", "files of different names",
-                   fmt::format("one called like {}", earlier->second.string()),
-                   "rename one, or simulate them one after the other"});
+                   fmt::format("one with the same name as {}", earlier->second.string()),
+                   "rename one, or simulate them separately"});
   }
 }
 
-/// Keeps the frames nearest to the times of a lower frame rate.
+/// Keeps the frames that are nearest to those of a lower frame rate.
 void ThinOut(ArticulatedMotion& motion, double fps) {
   if (fps <= 0.0 || fps >= motion.fps) return;
   const auto joints = static_cast<std::size_t>(motion.joint_count());
@@ -100,7 +101,7 @@ void ThinOut(ArticulatedMotion& motion, double fps) {
   motion = std::move(thin);
 }
 
-/// Turns the track by a random heading and puts the middle of its path near the origin, its height kept.
+/// Rotates the track to a random heading and moves the middle of its path near the origin, without changing its height.
 void Place(LandmarkTrack& track, Rng rng) {
   Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector2d high = -low;
@@ -117,8 +118,7 @@ void Place(LandmarkTrack& track, Rng rng) {
   }
 }
 
-/// The frames of a joint array (T, K, 3) in a camera's frame, mapped joint by joint as keypoints are: float32 (T, J,
-/// 3).
+/// Joint positions (T, K, 3) in a camera's frame, mapped to the skeleton like keypoints: float32 (T, J, 3).
 std::vector<float> TruthInCamera(const std::vector<Eigen::Vector3d>& joints_mm, std::size_t joint_count,
                                  const FilmingCamera& camera, const std::optional<LayoutMapping>& mapping) {
   std::vector<float> truth;
@@ -149,9 +149,9 @@ void SimulationOptions::Validate() const {
   RequireNumber(subjects >= 1 && subjects <= kMaxClips, "`subjects`", "1 to 1000000", subjects);
   RequireNumber(clips >= 0 && clips <= kMaxClips, "`clips`", "1 to 1000000", clips);
   RequireNumber(static_cast<double>(subjects) * std::max(1, clips) <= kMaxClips, "`clips`",
-                "at most 1000000 clips of all subjects together", clips);
+                "at most 1000000 clips for all subjects together", clips);
   RequireNumber(seconds > 0.0 && std::isfinite(seconds), "`seconds`", "more than 0", seconds);
-  RequireNumber(fps == 0.0 || (fps >= kLowestFps && fps <= 1000.0), "`fps`", "0.1 to 1000 frames a second", fps);
+  RequireNumber(fps == 0.0 || (fps >= kLowestFps && fps <= 1000.0), "`fps`", "0.1 to 1000 frames per second", fps);
   if (motion_files.empty()) {
     const double frames = seconds * (fps > 0.0 ? fps : kProceduralFps);
     RequireNumber(frames <= kMaxFramesPerClip, "`seconds`", "a clip of at most 100000 frames; make more clips instead",
@@ -170,7 +170,7 @@ Simulator::Simulator(SimulationOptions options) : options_(std::move(options)) {
   const std::string& layout = options_.layout.empty() ? options_.skeleton : options_.layout;
   layout_ = MakeDetectorLayout(RequireSkeleton(layout, "`layout`"));
   if (!layout_skeleton().SameJoints(skeleton_)) skeleton_from_layout_ = MapLayout(layout_skeleton(), skeleton_);
-  // A rig that cannot be used is told before any motion is read. One from a file is the same for all captures.
+  // An unusable rig is reported before any motion is read. A rig from a file is the same for all captures.
   std::unique_ptr<Rig> rig = MakeRig(options_.rig, Rng(options_.seed, {kRigStream}));
   if (options_.rig.IsFile()) rig_of_file_ = std::move(rig);
   if (options_.motion_files.empty()) {
@@ -222,7 +222,7 @@ ArticulatedMotion Simulator::LoadMotion(const ClipSource& source) const {
   ThinOut(motion, options_.fps);
   if (motion.frame_count() > kMaxFramesPerClip) {
     ThrowBadInput({source.file.string(), "", fmt::format("at most {} frames", kMaxFramesPerClip),
-                   fmt::format("{}", motion.frame_count()), "cut it into clips, or thin it out with `fps`"});
+                   fmt::format("{}", motion.frame_count()), "cut it into clips, or reduce its frame rate with `fps`"});
   }
   return motion;
 }
@@ -258,8 +258,8 @@ SimulatedClip Simulator::Make(int index) const {
   SimulatedClip clip;
   clip.motion = LoadMotion(source);
   clip.track = MakeLandmarkTrack(clip.motion, source.file.empty() ? clip.motion.name : source.file.string());
-  // By name, so that a clip is the same whatever else is simulated beside it, and held-out clips of a subject are
-  // filmed by the same cameras.
+  // By name, so that a clip does not depend on the other clips, and held-out clips of a subject are filmed by the same
+  // cameras.
   const std::uint64_t subject = NumberOf(clip.motion.subject);
   const std::uint64_t name = NumberOf(clip.motion.name);
   Place(clip.track, Rng(options_.seed, {kPlacement, name}));

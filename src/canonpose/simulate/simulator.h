@@ -1,4 +1,4 @@
-// A capture simulated: clips of motion, seen by virtual cameras, found by a detector that errs, clip by clip.
+// Simulates captures clip by clip: motion, filmed by virtual cameras and detected by a detector with errors.
 #pragma once
 
 #include <cstdint>
@@ -11,49 +11,50 @@
 #include <vector>
 
 #include "canonpose/data/dataset.h"
+#include "canonpose/motion/articulated_motion.h"
 #include "canonpose/simulate/detector.h"
-#include "canonpose/simulate/motion.h"
 #include "canonpose/simulate/procedural.h"
 #include "canonpose/simulate/rig.h"
 
 namespace canonpose {
 
 struct SimulationOptions {
-  /// Motion capture files and folders of them; none: procedural people.
+  /// Motion capture files and folders with such files; empty: procedural people.
   std::vector<std::filesystem::path> motion_files;
 
   // Procedural people; ignored with files.
-  std::vector<Activity> activities;  ///< taken in turn by a subject's clips; none: all but skiing
+  std::vector<Activity> activities;  ///< used in turn for a subject's clips; empty: all but skiing
   int subjects = 4;
-  int clips = 0;  ///< of each subject; 0: one of each activity
+  int clips = 0;  ///< of each subject; 0: one per activity
   double seconds = 10.0;
 
-  double fps = 0.0;  ///< 0: a file's own, 50 for procedural people; files are only ever thinned out
+  /// 0: that of the file, or 50 for procedural people; frames of files are only dropped, never added.
+  double fps = 0.0;
   RigOptions rig;
   DetectorOptions detector;
   std::string skeleton = "h36m-17";  ///< of the dataset
-  /// The detector's layout, which is mapped onto the skeleton as `import` does. Empty: the detector finds the
-  /// skeleton's own joints.
+  /// The detector's layout, which is mapped to the skeleton in the same way as by `import`. Empty: the detector finds
+  /// the skeleton's joints.
   std::string layout;
   std::uint64_t seed = 0;
   std::optional<std::uint64_t> detector_seed;  ///< of the detector's systematic offset; none: `seed`
 
-  /// Throws Error(kInvalidArgument) for unknown names and strengths out of range, Error(kBadInput) for counts, lengths
-  /// and rates that cannot be.
+  /// Throws Error(kInvalidArgument) for unknown names and strengths out of range, Error(kBadInput) for impossible
+  /// counts, lengths and rates.
   void Validate() const;
 };
 
-/// One clip as it was simulated.
+/// One simulated clip.
 struct SimulatedClip {
   Sequence sequence;                   ///< in the dataset's skeleton, with truth and calibration
   ArticulatedMotion motion;            ///< before it was placed in the rig
   LandmarkTrack track;                 ///< after
   std::vector<FilmingCamera> cameras;  ///< those of `sequence`
-  std::vector<Detections> detections;  ///< one a camera, in the detector's layout
+  std::vector<Detections> detections;  ///< one per camera, in the detector's layout
 };
 
-/// Makes the clips of a simulation. Every clip depends on the options and its number alone, so they can be made in any
-/// order and at the same time.
+/// Makes the clips of a simulation. A clip depends only on the options and its number, so clips can be made in any
+/// order and in parallel.
 class Simulator {
  public:
   /// Throws Error for options or motion files that cannot be used.
@@ -65,8 +66,8 @@ class Simulator {
   [[nodiscard]] const Skeleton& layout_skeleton() const { return layout_.from_landmarks.target; }
   [[nodiscard]] DatasetSource source() const;
 
-  /// Clip 0 .. clip_count() - 1. May be called by several threads at a time. Throws Error(kBadInput) for a damaged
-  /// motion file.
+  /// Makes clip 0 .. clip_count() - 1. May be called from several threads at once. Throws Error(kBadInput) for a
+  /// damaged motion file.
   [[nodiscard]] SimulatedClip Make(int clip) const;
 
  private:
@@ -84,15 +85,15 @@ class Simulator {
   SimulationOptions options_;
   Skeleton skeleton_;
   DetectorLayout layout_;
-  std::shared_ptr<const Rig> rig_of_file_;             ///< nothing where every capture has a rig of its own
+  std::shared_ptr<const Rig> rig_of_file_;             ///< nothing where every capture has its own rig
   std::optional<LayoutMapping> skeleton_from_layout_;  ///< nothing where they are the same
   std::vector<ClipSource> clips_;
 };
 
-/// The clips of a simulator in order, made a few ahead by other threads.
+/// The clips of a simulator in order; other threads make a few in advance.
 class ClipStream {
  public:
-  /// `threads` 0: as many as the machine has cores; 64 at most.
+  /// `threads` 0: as many as the machine has cores; at most 64.
   ClipStream(const Simulator& simulator, int threads);
   /// The next clip; nothing after the last. Throws what making it threw.
   std::optional<SimulatedClip> Next();

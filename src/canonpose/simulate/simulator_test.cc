@@ -33,7 +33,7 @@ std::vector<SimulatedClip> AllClips(const Simulator& simulator, int threads) {
   return clips;
 }
 
-/// NaN equals NaN.
+/// Equality for which NaN equals NaN.
 bool SameValues(const std::vector<float>& a, const std::vector<float>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); });
@@ -84,7 +84,7 @@ TEST(Simulator, SameSeedSameBitsWhateverTheThreads) {
   EXPECT_FALSE(SameValues(Simulator(other).Make(0).sequence.cameras[0].truth, one[0].sequence.cameras[0].truth));
 }
 
-TEST(Simulator, AClipDoesNotDependOnThoseBesideIt) {
+TEST(Simulator, AClipDoesNotDependOnOtherClips) {
   SimulationOptions more = Small();
   more.subjects = 3;
   EXPECT_TRUE(SameValues(Simulator(more).Make(3).sequence.cameras[1].keypoints,
@@ -99,7 +99,7 @@ TEST(Simulator, ClipsOfASubjectShareTheirCamerasOthersDoNot) {
   EXPECT_TRUE(clips[0].sequence.static_cameras);
   EXPECT_EQ(camera(0)[0].camera_from_world_rotation, camera(1)[0].camera_from_world_rotation);
   EXPECT_NE(camera(0)[0].camera_from_world_rotation, camera(2)[0].camera_from_world_rotation);
-  // Cameras that differ are another capture, also in another file.
+  // Different cameras are different captures, even in different files.
   SimulationOptions farther = Small();
   farther.rig.distance_m = 7.0;
   EXPECT_NE(Simulator(farther).Make(0).sequence.capture, clips[0].sequence.capture);
@@ -119,7 +119,7 @@ TEST(Simulator, TheSubjectStandsUprightAndFacesEveryWay) {
     const float* truth = clip.sequence.cameras[0].truth.data();
     EXPECT_LT(truth[3 * at("Head") + 1], truth[3 * at("Hip") + 1]) << "y points down";
     EXPECT_LT(truth[3 * at("Hip") + 1], truth[3 * at("LFoot") + 1]);
-    // Whoever faces the camera has the left hip on the right of the picture and the nose in front of the thorax.
+    // A person who faces the camera has the left hip on the right of the image and the nose in front of the thorax.
     const bool left_is_right = truth[3 * at("LHip")] > truth[3 * at("RHip")];
     const bool nose_is_near = truth[3 * at("Nose") + 2] < truth[3 * at("Thorax") + 2];
     if (left_is_right && nose_is_near) ++facing;
@@ -130,7 +130,7 @@ TEST(Simulator, TheSubjectStandsUprightAndFacesEveryWay) {
   EXPECT_GT(facing + away, 8);
 }
 
-TEST(Simulator, ALayoutIsMappedAsImportDoes) {
+TEST(Simulator, ALayoutIsMappedAsByImport) {
   SimulationOptions options = Small();
   options.layout = "body_25b";
   options.detector.noise = 0.0;
@@ -144,7 +144,7 @@ TEST(Simulator, ALayoutIsMappedAsImportDoes) {
   const auto right = static_cast<std::size_t>(layout.Find("RHip").value());
   EXPECT_NEAR(view.keypoints[2 * hip],
               (clip.detections[0].keypoints[2 * left] + clip.detections[0].keypoints[2 * right]) / 2, 1e-3);
-  // A joint made from others lies between them, and the truth with it.
+  // A derived joint lies between its sources, and so does its truth.
   const auto thigh = static_cast<std::size_t>(simulator.skeleton().Find("LHip").value());
   const auto other = static_cast<std::size_t>(simulator.skeleton().Find("RHip").value());
   EXPECT_NEAR(view.truth[3 * hip], (view.truth[3 * thigh] + view.truth[3 * other]) / 2, 1e-2);
@@ -152,7 +152,7 @@ TEST(Simulator, ALayoutIsMappedAsImportDoes) {
 
 class DetectorOnPeople : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(DetectorOnPeople, ErrsAsModernOnesDo) {
+TEST_P(DetectorOnPeople, HasTheErrorsOfModernDetectors) {
   SimulationOptions options = Small(GetParam());
   options.activities = AllActivities();
   options.subjects = 3;
@@ -188,7 +188,7 @@ TEST_P(DetectorOnPeople, ErrsAsModernOnesDo) {
 
 INSTANTIATE_TEST_SUITE_P(Rigs, DetectorOnPeople, ::testing::Values("studio", "ring", "ptz", "handheld"));
 
-TEST(Simulator, MotionCaptureIsThinnedOutAndKeepsItsLimbs) {
+TEST(Simulator, MotionCaptureAtALowerRateKeepsItsLimbs) {
   CANONPOSE_SKIP_WITHOUT_SHARED("data/cmu");
   SimulationOptions options = Small();
   options.motion_files = {testing::Shared("data/cmu/02/02_01.amc")};

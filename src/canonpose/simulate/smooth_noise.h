@@ -1,4 +1,4 @@
-// Random processes over time whose correlation is given in seconds, so that a clip's frame rate changes nothing.
+// Random processes over time whose correlation is given in seconds, so that they do not depend on the frame rate.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,7 @@ class RoughNoise {
         value_(rng.Normal()) {}
 
   [[nodiscard]] double value() const { return value_; }
-  /// Moves on by one frame.
+  /// Advances by one frame.
   double Next(Rng& rng) {
     value_ = keep_ * value_ + renew_ * rng.Normal();
     return value_;
@@ -28,7 +28,7 @@ class RoughNoise {
   double value_;
 };
 
-/// A RoughNoise smoothed once more with the same time constant: mean 0, variance 1. Like what people's hands do.
+/// RoughNoise smoothed once more with the same time constant: mean 0, variance 1. Like the motion of hands.
 class SmoothNoise {
  public:
   SmoothNoise(double time_constant_seconds, double fps, Rng& rng)

@@ -49,7 +49,7 @@ std::vector<double> CentredRanks(const std::vector<std::uint64_t>& counts) {
   return ranks;
 }
 
-/// A figure of a table; what could not be measured is a dash.
+/// A figure of a table; a dash if it could not be measured.
 std::string Cell(double value) {
   return std::isnan(value) ? fmt::format("{:>8}", "-") : fmt::format("{:>8.2f}", value);
 }
@@ -151,7 +151,7 @@ double DetectorStatistics::ConfidencePercentile(double percent) const {
 }
 
 double DetectorStatistics::ConfidenceAuc() const {
-  // The chance that a large error's confidence lies below a small one's; ties count half.
+  // The probability that the confidence of a large error is lower than that of a small error; ties count half.
   double below = 0.0;
   double larges = 0.0;
   for (std::size_t i = 0; i < kConfidenceBins; ++i) {
@@ -212,14 +212,14 @@ std::string DetectorStatistics::Describe() const {
     text += fmt::format("{:<28}{:>8.2f} %\n", name, 100 * value);
   };
   share("joints hidden by the body", Share(kOccluded));
-  share("joints left-right swapped", Share(kSwapped));
-  share("joints at a wrong place", Share(kOutlier));
+  share("joints with left-right swap", Share(kSwapped));
+  share("joints in a wrong place", Share(kOutlier));
   share("joints missed", Share(kMissed));
   share("joints outside the image", Share(kOutsideImage));
   share("frames missed", MissedFrameShare());
   text += fmt::format("{:<28}{:>8.2f}, median {:.2f}, 95th {:.2f}\n", "confidence, 5th percentile",
                       ConfidencePercentile(5), ConfidencePercentile(50), ConfidencePercentile(95));
-  text += fmt::format("{:<28}{}  (low confidence as the sign of an error above {:g} %)\n", "confidence AUC",
+  text += fmt::format("{:<28}{}  (low confidence as predictor of an error above {:g} %)\n", "confidence AUC",
                       Cell(ConfidenceAuc()), kLargePercent);
   text += fmt::format("{:<28}{}  (Spearman)\n", "confidence and error", Cell(ConfidenceCorrelation()));
   return text;

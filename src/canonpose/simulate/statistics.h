@@ -1,4 +1,4 @@
-// What a simulated detector's errors are like, in the figures that are known of real ones.
+// Statistics of a simulated detector's errors, which can be compared with those of real detectors.
 #pragma once
 
 #include <array>
@@ -6,37 +6,38 @@
 #include <string>
 #include <vector>
 
+#include "canonpose/motion/landmarks.h"
 #include "canonpose/simulate/detector.h"
-#include "canonpose/simulate/landmarks.h"
 #include "canonpose/simulate/rig.h"
 
 namespace canonpose {
 
-/// Collects errors over clips and cameras, in memory that does not grow with them. Errors are in percent of the
-/// person's height in the image (stature times focal length over distance), of joints that were detected.
+/// Collects the errors of detected joints over clips and cameras, in constant memory. Errors are in percent of the
+/// person's height in the image (stature times focal length over distance).
 class DetectorStatistics {
  public:
   explicit DetectorStatistics(const DetectorLayout& layout);
   void Add(const LandmarkTrack& track, const FilmingCamera& camera, const Detections& detections);
-  /// Adds what another one of the same layout has collected.
+  /// Adds the statistics that another object has collected for the same layout.
   void Merge(const DetectorStatistics& other);
 
-  /// Percentile 0..100 of the error of one joint, or of all where joint is -1; good to 0.02, 100 where it is more. NaN
-  /// without any detection.
+  /// Percentile 0..100 of the error of one joint, or of all joints if `joint` is -1; accurate to 0.02 and at most 100.
+  /// NaN without detections.
   [[nodiscard]] double Percentile(int joint, double percent) const;
-  /// The same of joints that the body hides.
+  /// The same for joints that are hidden by the body.
   [[nodiscard]] double HiddenPercentile(double percent) const;
   /// Percentile 0..100 of the confidences.
   [[nodiscard]] double ConfidencePercentile(double percent) const;
-  /// Area under the ROC curve of low confidence as the sign of a large error (> 5 % of the height); NaN without any.
+  /// Area under the ROC curve of low confidence as a predictor of a large error (> 5 % of the height); NaN without
+  /// large errors.
   [[nodiscard]] double ConfidenceAuc() const;
-  /// Rank (Spearman) correlation of confidence and error; NaN where either is always the same.
+  /// Rank (Spearman) correlation of confidence and error; NaN where either is constant.
   [[nodiscard]] double ConfidenceCorrelation() const;
-  /// Share of joints, 0..1, of all frames in which anything was detected.
+  /// Fraction of the joints, 0..1, in frames in which anything was detected.
   [[nodiscard]] double Share(DetectionErrorKind kind) const;
-  /// Share of frames and cameras, 0..1, that have the person in the image and no detection at all.
+  /// Fraction of frames and cameras, 0..1, that have the person in the image but no detection at all.
   [[nodiscard]] double MissedFrameShare() const;
-  /// A table: percentiles 50, 75, 90, 95, 99 by joint, then the figures above.
+  /// A table with percentiles 50, 75, 90, 95, 99 by joint, then the figures above.
   [[nodiscard]] std::string Describe() const;
 
  private:

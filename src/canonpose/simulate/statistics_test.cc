@@ -35,7 +35,7 @@ DetectorStatistics Collect(const std::string& kind, const DetectorOptions& optio
 class DefaultDetector : public ::testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Rigs, DefaultDetector, ::testing::Values("studio", "ptz"));
 
-TEST_P(DefaultDetector, IsAsGoodAndAsBadAsRealOnes) {
+TEST_P(DefaultDetector, IsAsGoodAndAsBadAsRealDetectors) {
   const DetectorStatistics statistics = Collect(GetParam(), DetectorOptions{});
   RecordProperty("table", statistics.Describe());
   const auto median = [&](Landmark joint) { return statistics.Percentile(joint, 50); };
@@ -75,7 +75,7 @@ TEST(DetectorStatistics, FindsNoErrorsWhereThereAreNone) {
   EXPECT_EQ(statistics.MissedFrameShare(), 0.0);
 }
 
-TEST(DetectorStatistics, SeesThatConfidencesTellErrorsPerfectly) {
+TEST(DetectorStatistics, SeesThatConfidencesReflectErrorsPerfectly) {
   DetectorOptions options;
   options.confidence = 0.0;
   const DetectorStatistics perfect = Collect("studio", options, 2);
@@ -87,7 +87,7 @@ TEST(DetectorStatistics, SeesThatConfidencesTellErrorsPerfectly) {
   EXPECT_GT(useless.ConfidenceAuc(), 0.5);
 }
 
-TEST(DetectorStatistics, MeasuresWhatWasPutIn) {
+TEST(DetectorStatistics, MeasuresKnownErrors) {
   LandmarkTrack track{"still", "figure", 50.0, {}};
   constexpr int kFrames = 100;
   const auto figure = testing::StandingFigure();
@@ -101,7 +101,7 @@ TEST(DetectorStatistics, MeasuresWhatWasPutIn) {
   for (std::size_t t = 0; t < kFrames; ++t) {
     for (std::size_t j = 0; j < 17; ++j) {
       const std::size_t at = 17 * t + j;
-      // Joint j of frame t is off by (t / 10) % of the height, to the right; the confidence falls along.
+      // Joint j of frame t is (t / 10) % of the height too far to the right; the confidence falls accordingly.
       detections.keypoints[2 * at] += static_cast<float>(height * static_cast<double>(t) / 1000.0);
       detections.confidence[at] = 1.0F - static_cast<float>(t) / 200.0F;
     }
@@ -131,8 +131,7 @@ TEST(DetectorStatistics, MeasuresWhatWasPutIn) {
 
 TEST(DetectorStatistics, DescribesItselfInATable) {
   const std::string text = Collect("ptz", DetectorOptions{}, 1).Describe();
-  for (const char* word :
-       {"percentile", "RWrist", "all", "hidden", "swapped", "missed", "confidence AUC", "Spearman"}) {
+  for (const char* word : {"percentile", "RWrist", "all", "hidden", "swap", "missed", "confidence AUC", "Spearman"}) {
     EXPECT_THAT(text, ::testing::HasSubstr(word));
   }
   EXPECT_EQ(text.find("nan"), std::string::npos) << text;

@@ -17,7 +17,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/progress.h"
 #include "canonpose/base/random.h"
-#include "canonpose/simulate/mocap.h"
+#include "canonpose/motion/landmark_mapping.h"
 #include "canonpose/simulate/procedural.h"
 #include "canonpose/simulate/rig_parts.h"
 #include "canonpose/skeleton/mapping.h"
@@ -35,7 +35,7 @@ enum WildStream : std::uint64_t {
 
 constexpr std::size_t kClipsOfATask = 8;
 
-/// From the simulator's landmarks over what the detector finds to the skeleton.
+/// From the simulator's landmarks to the detector's layout, and from there to the skeleton.
 struct JointSources {
   DetectorLayout layout;
   LayoutMapping skeleton_from_layout;
@@ -45,7 +45,7 @@ bool IsMade(const LayoutMapping& mapping, int joint) {
   return !mapping.joints[static_cast<std::size_t>(joint)].sources.empty();
 }
 
-/// The joints of a skeleton that the simulator knows, each hung from its nearest known ancestor.
+/// The joints of a skeleton that the simulator knows, each attached to its nearest known ancestor.
 Skeleton KnownJoints(const Skeleton& skeleton, const LayoutMapping& from_landmarks) {
   Skeleton known;
   known.name = skeleton.name;
@@ -71,7 +71,7 @@ Skeleton KnownJoints(const Skeleton& skeleton, const LayoutMapping& from_landmar
   return known;
 }
 
-/// A detector's layout or a benchmark's joints by name; null where there is none.
+/// A detector's layout or a benchmark's joints by name; null if there is none.
 const Skeleton* FindLayout(const std::string& name) {
   if (const Skeleton* builtin = FindSkeleton(name)) return builtin;
   const auto found = std::ranges::find(BenchmarkSkeletons(), name, &Skeleton::name);
@@ -81,12 +81,12 @@ const Skeleton* FindLayout(const std::string& name) {
 JointSources FindSources(const Skeleton& skeleton, const std::string& layout_name) {
   if (!IsKnownPerson(skeleton)) {
     ThrowBadInput({"", skeleton.name.empty() ? "the skeleton" : fmt::format("skeleton {}", skeleton.name),
-                   "a person's joints by names that are known (hips, knees, shoulders, elbows, the root)",
+                   "a person's joints with known names (hips, knees, shoulders, elbows, the root)",
                    fmt::format("{}", fmt::join(skeleton.joints, ", ")),
-                   "simulated people can teach nothing about it: train on the recording itself"});
+                   "simulated people are of no use for it: train on the recording itself"});
   }
   if (layout_name.empty()) {
-    const Skeleton known = KnownJoints(skeleton, MapWhatCanBe(LandmarkSkeleton(), skeleton));
+    const Skeleton known = KnownJoints(skeleton, MapAvailableJoints(LandmarkSkeleton(), skeleton));
     LayoutMapping by_name{known, skeleton, {}};
     for (const std::string& joint : skeleton.joints) {
       const std::optional<int> source = known.Find(joint);
@@ -97,40 +97,40 @@ JointSources FindSources(const Skeleton& skeleton, const std::string& layout_nam
   const Skeleton* layout = FindLayout(layout_name);
   if (layout == nullptr)
     ThrowInvalidArgument("layout: expected one of {}, found \"{}\"", BuiltinSkeletonNames(), layout_name);
-  const Skeleton known = KnownJoints(*layout, MapWhatCanBe(LandmarkSkeleton(), *layout));
-  JointSources sources{MakeDetectorLayout(known), MapWhatCanBe(known, skeleton)};
+  const Skeleton known = KnownJoints(*layout, MapAvailableJoints(LandmarkSkeleton(), *layout));
+  JointSources sources{MakeDetectorLayout(known), MapAvailableJoints(known, skeleton)};
   if (!IsMade(sources.skeleton_from_layout, skeleton.root)) {
-    ThrowBadInput({"", fmt::format("layout {}", layout_name), fmt::format("a joint to make the root of"), "none",
-                   "leave the layout out"});
+    ThrowBadInput({"", fmt::format("layout {}", layout_name), "a joint from which to make the root", "none",
+                   "leave out the layout"});
   }
   return sources;
 }
 
 // --- cameras --------------------------------------------------------------------------------------------------------
 
-/// A camera that keeps the person in the picture and slowly circles around it.
+/// A camera that keeps the person in the image and slowly circles around them.
 FilmingCamera FilmFromAnywhere(const LandmarkTrack& track, const std::string& name, double off_centre, Rng& rng) {
   static constexpr std::array<std::array<int, 2>, 4> kSizes = {{{1920, 1080}, {1080, 1920}, {1000, 1000}, {1280, 960}}};
   const Lens lens = MakeLens(kSizes.at(rng.Index(kSizes.size())), rng.Uniform(), rng);
   const double width = lens.image_size[0];
   const double height = lens.image_size[1];
-  // From wide lenses to long ones; the distance then follows from how large the person is in the picture.
+  // From wide to long lenses; the distance follows from the person's size in the image.
   const double focal_px = std::hypot(width, height) * 0.55 * std::pow(5.0, rng.Uniform());
   const double fill = rng.Uniform(0.25, 0.85);
   const double distance_mm = std::max(1600.0, StatureMm(&track.At(0, 0)) * focal_px / (fill * height));
   const double azimuth = rng.Uniform(0.0, 2.0 * M_PI);
-  const double azimuth_rate = Radians(6.0) * rng.Normal();
+  const double azimuth_rate = RadFromDeg(6.0) * rng.Normal();
   const bool is_level = rng.Uniform() < 0.4;
-  const double elevation = Radians(is_level ? 4.0 + 8.0 * rng.Normal() : rng.Uniform(-30.0, 65.0));
-  const double elevation_rate = Radians(1.5) * rng.Normal();
-  const double roll = Radians(rng.Uniform() < 0.9 ? 3.0 : 12.0) * rng.Normal();
+  const double elevation = RadFromDeg(is_level ? 4.0 + 8.0 * rng.Normal() : rng.Uniform(-30.0, 65.0));
+  const double elevation_rate = RadFromDeg(1.5) * rng.Normal();
+  const double roll = RadFromDeg(rng.Uniform() < 0.9 ? 3.0 : 12.0) * rng.Normal();
   const Eigen::Vector2d offset_px{width * rng.Uniform(-0.33, 0.33),
                                   0.45 * height * (1.0 - fill) * rng.Uniform(-1.0, 1.0)};
   FilmingCamera filming{name, lens.image_size, {}};
   for (int t = 0; t < track.frame_count(); ++t) {
     const double seconds = t / track.fps;
     const double a = azimuth + azimuth_rate * seconds;
-    const double e = std::clamp(elevation + elevation_rate * seconds, Radians(-60.0), Radians(80.0));
+    const double e = std::clamp(elevation + elevation_rate * seconds, RadFromDeg(-60.0), RadFromDeg(80.0));
     const Eigen::Vector3d& pelvis = track.At(t, kHip);
     const Eigen::Vector3d away(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
     const Eigen::Vector3d position = pelvis + distance_mm * away;
@@ -169,7 +169,7 @@ ArticulatedMotion MakeMotion(const WildCaptureOptions& options, int number) {
   return motion;
 }
 
-/// One clip's detector is surer of itself than another's.
+/// The detectors of clips differ in how confident they are.
 struct ConfidenceScale {
   bool is_always_one;
   double power;
@@ -179,7 +179,7 @@ struct ConfidenceScale {
   }
 };
 
-/// Joint positions (K) mapped onto the skeleton in the camera's frame, appended to `truth`.
+/// Appends joint positions (K), mapped to the skeleton and in the camera's frame, to `truth`.
 void AppendTruth(const LayoutMapping& mapping, const Eigen::Vector3d* joints_mm, const Camera& camera,
                  std::vector<float>& truth) {
   for (const JointSource& joint : mapping.joints) {
@@ -241,7 +241,7 @@ Sequence MakeClip(const JointSources& sources, const WildCaptureOptions& options
 
 std::vector<std::uint8_t> KnownJointsOf(const Skeleton& skeleton) {
   std::vector<std::uint8_t> known;
-  for (const JointSource& joint : MapWhatCanBe(LandmarkSkeleton(), skeleton).joints) {
+  for (const JointSource& joint : MapAvailableJoints(LandmarkSkeleton(), skeleton).joints) {
     known.push_back(joint.sources.empty() ? 0 : 1);
   }
   return known;

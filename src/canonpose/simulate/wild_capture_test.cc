@@ -26,7 +26,7 @@ WildCaptureOptions Small() {
   return options;
 }
 
-/// To the bit, NaN included.
+/// Bitwise equality, including NaN.
 bool SameBits(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
@@ -68,8 +68,8 @@ TEST(WildCapture, EveryBuiltinSkeletonCanBeMade) {
   }
 }
 
-// Correlation of a picture's columns with x / z of the truth, its rows with y / z.
-TEST(WildCapture, KeypointsAreWhatTheTruthLooksLike) {
+// Checks the correlation of columns of the image with x / z of the truth, and of rows with y / z.
+TEST(WildCapture, KeypointsMatchTheTruth) {
   WildCaptureOptions options = Small();
   options.detector.noise = 0.0;
   for (int clip = 0; clip < options.clips; ++clip) {
@@ -106,7 +106,7 @@ TEST(WildCapture, ALayoutsDerivedJointsAreMeansOfOthers) {
   EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { MakeWildClip(Human(), options, 3); }), HasSubstr("coco-17"));
 }
 
-TEST(WildCapture, JointsThatNobodyKnowsAreNeverSeen) {
+TEST(WildCapture, UnknownJointsAreNeverSeen) {
   Skeleton skeleton = Human();
   skeleton.name = "";
   skeleton.joints.insert(skeleton.joints.begin() + 1, "tail");
@@ -124,7 +124,7 @@ TEST(WildCapture, JointsThatNobodyKnowsAreNeverSeen) {
     EXPECT_EQ(view.confidence[18 * t + 1], 0.0F);
     EXPECT_TRUE(std::isnan(view.keypoints[2 * (18 * t + 1)]));
     EXPECT_TRUE(std::isnan(view.truth[3 * (18 * t + 1)]));
-    // The others are those of the skeleton without it.
+    // The others are the same as without this joint.
     EXPECT_EQ(view.truth[3 * (18 * t + 2)], without.cameras[1].truth[3 * (17 * t + 1)]);
     EXPECT_EQ(view.confidence[18 * t + 17], without.cameras[1].confidence[17 * t + 16]);
   }

@@ -19,8 +19,8 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kNoiseSeconds = 0.6;
-constexpr double kMaxKnee = Deg(148.0);
-constexpr double kMaxElbow = Deg(145.0);
+constexpr double kMaxKnee = RadFromDeg(148.0);
+constexpr double kMaxElbow = RadFromDeg(145.0);
 
 Quaterniond FromRotationVector(const Vector3d& vector) {
   const double angle = vector.norm();
@@ -56,8 +56,8 @@ class SmoothTurn {
   std::array<SmoothNoise, 3> noises_;
 };
 
-/// Where a limb points away from hanging down and how it is turned about itself and bent; `outwards` is away from the
-/// body.
+/// The direction of a limb relative to hanging down, its rotation about itself and its bend; `outwards` is away from
+/// the body.
 struct LimbPose {
   double forward;
   double outwards;
@@ -66,24 +66,24 @@ struct LimbPose {
 };
 
 LimbPose RaisedArm(Rng& rng) {
-  const double raised = Deg(rng.Uniform(110.0, 180.0));
-  const double plane = Deg(rng.Uniform(-20.0, 110.0));
-  return {raised * std::cos(plane), raised * std::sin(plane), Deg(rng.Uniform(-60.0, 60.0)),
-          Happens(0.5, rng) ? Deg(rng.Uniform(3.0, 40.0)) : Deg(rng.Uniform(20.0, 130.0))};
+  const double raised = RadFromDeg(rng.Uniform(110.0, 180.0));
+  const double plane = RadFromDeg(rng.Uniform(-20.0, 110.0));
+  return {raised * std::cos(plane), raised * std::sin(plane), RadFromDeg(rng.Uniform(-60.0, 60.0)),
+          Happens(0.5, rng) ? RadFromDeg(rng.Uniform(3.0, 40.0)) : RadFromDeg(rng.Uniform(20.0, 130.0))};
 }
 
 LimbPose AnyArm(Rng& rng) {
   const double raised = std::acos(rng.Uniform(-0.99, 0.99));
-  const double plane = Deg(rng.Uniform(-45.0, 130.0));
-  return {raised * std::cos(plane), raised * std::sin(plane), Deg(rng.Uniform(-75.0, 80.0)),
-          Happens(0.4, rng) ? Deg(rng.Uniform(3.0, 40.0)) : Deg(rng.Uniform(20.0, 138.0))};
+  const double plane = RadFromDeg(rng.Uniform(-45.0, 130.0));
+  return {raised * std::cos(plane), raised * std::sin(plane), RadFromDeg(rng.Uniform(-75.0, 80.0)),
+          Happens(0.4, rng) ? RadFromDeg(rng.Uniform(3.0, 40.0)) : RadFromDeg(rng.Uniform(20.0, 138.0))};
 }
 
 LimbPose AnyLeg(Rng& rng) {
-  const double forward = Deg(rng.Uniform(-25.0, 115.0));
-  // A thigh that is lifted usually comes with a bent knee.
-  const double most = std::max(Deg(30.0), std::min(kMaxKnee, forward + Deg(60.0)));
-  return {forward, Deg(rng.Uniform(-8.0, 45.0)), Deg(rng.Uniform(-25.0, 25.0)), rng.Uniform(0.0, most)};
+  const double forward = RadFromDeg(rng.Uniform(-25.0, 115.0));
+  // A lifted thigh usually comes with a bent knee.
+  const double most = std::max(RadFromDeg(30.0), std::min(kMaxKnee, forward + RadFromDeg(60.0)));
+  return {forward, RadFromDeg(rng.Uniform(-8.0, 45.0)), RadFromDeg(rng.Uniform(-25.0, 25.0)), rng.Uniform(0.0, most)};
 }
 
 /// One arm or leg of a clip.
@@ -128,9 +128,9 @@ class WildLimb {
 constexpr std::array<int, 4> kSpineJoints = {kBLumbar, kBSpine, kBNeck, kBUpperNeck};
 
 void MoveSpine(const WildOptions& options, ArticulatedMotion& motion, Rng& rng) {
-  const double noise = Deg(options.trunk_noise_deg) * rng.Uniform();
-  // Bent forward far, backward a little.
-  const double bend = Happens(options.trunk_bent, rng) ? Deg(rng.Uniform(-20.0, 50.0)) : 0.0;
+  const double noise = RadFromDeg(options.trunk_noise_deg) * rng.Uniform();
+  // Far forward, or a little backward.
+  const double bend = Happens(options.trunk_bent, rng) ? RadFromDeg(rng.Uniform(-20.0, 50.0)) : 0.0;
   std::vector<SmoothTurn> turns;
   for (std::size_t i = 0; i < kSpineJoints.size(); ++i) turns.emplace_back(noise, motion.fps, rng);
   for (int f = 0; f < motion.frame_count(); ++f) {
@@ -143,9 +143,9 @@ void MoveSpine(const WildOptions& options, ArticulatedMotion& motion, Rng& rng) 
 }
 
 void MoveLimbs(const WildOptions& options, ArticulatedMotion& motion, Rng& rng) {
-  const double arm_noise = Deg(options.arm_noise_deg) * rng.Uniform();
-  const double leg_noise = Deg(options.leg_noise_deg) * rng.Uniform();
-  const double hinge_noise = Deg(options.hinge_noise_deg) * rng.Uniform();
+  const double arm_noise = RadFromDeg(options.arm_noise_deg) * rng.Uniform();
+  const double leg_noise = RadFromDeg(options.leg_noise_deg) * rng.Uniform();
+  const double hinge_noise = RadFromDeg(options.hinge_noise_deg) * rng.Uniform();
   const bool raised = Happens(options.arms_raised, rng);
   const bool arms = Happens(options.arms_anywhere, rng);
   const bool legs = Happens(options.legs_anywhere, rng);
@@ -164,7 +164,7 @@ void MoveLimbs(const WildOptions& options, ArticulatedMotion& motion, Rng& rng) 
   }
 }
 
-/// Any rotation, evenly over all of them (Shoemake 1992).
+/// A rotation from the uniform distribution over all rotations (Shoemake 1992).
 Quaterniond AnyRotation(Rng& rng) {
   Eigen::Vector4d q{rng.Normal(), rng.Normal(), rng.Normal(), rng.Normal()};
   q.normalize();
@@ -174,7 +174,7 @@ Quaterniond AnyRotation(Rng& rng) {
 void TiltBody(const WildOptions& options, ArticulatedMotion& motion, Rng& rng) {
   const double kind = rng.Uniform();
   const double degrees = kind < options.tumbled + options.leaning ? 25.0 : 5.0;
-  const Vector3d lean{Deg(degrees) * rng.Normal(), Deg(degrees) * rng.Normal(), 0.0};
+  const Vector3d lean{RadFromDeg(degrees) * rng.Normal(), RadFromDeg(degrees) * rng.Normal(), 0.0};
   const Quaterniond tilt = kind < options.tumbled ? AnyRotation(rng) : FromRotationVector(lean);
   for (int f = 0; f < motion.frame_count(); ++f) {
     Quaterniond& root = At(motion, f, 0);
@@ -183,7 +183,7 @@ void TiltBody(const WildOptions& options, ArticulatedMotion& motion, Rng& rng) {
 }
 
 void RequireProcedural(const ArticulatedMotion& motion) {
-  CANONPOSE_CHECK(motion.joint_count() == kBodyJointCount, "{} has {} joints in place of {}", motion.name,
+  CANONPOSE_CHECK(motion.joint_count() == kBodyJointCount, "{} has {} joints instead of {}", motion.name,
                   motion.joint_count(), +kBodyJointCount);
 }
 

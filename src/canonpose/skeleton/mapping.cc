@@ -15,7 +15,7 @@
 namespace canonpose {
 namespace {
 
-/// A part of the body and the names it goes by, the surest first. The names stand without side, case and punctuation.
+/// A part of the body and its names, the least ambiguous first, without side, case and punctuation.
 struct Part {
   std::string_view name;
   bool sided;
@@ -44,7 +44,7 @@ const std::vector<Part>& Parts() {
   return parts;
 }
 
-/// Lower case without punctuation, "left" and "right" cut to "l" and "r".
+/// Lower case without punctuation, "left" and "right" shortened to "l" and "r".
 std::string PlainName(std::string_view joint) {
   std::string plain;
   for (const char c : joint) {
@@ -57,11 +57,10 @@ std::string PlainName(std::string_view joint) {
   return plain;
 }
 
-/// "lshoulder", "pelvis", ...; empty where the name means no part of the body that the table knows.
+/// "lshoulder", "pelvis", ...; empty where the name is not in the table of parts.
 std::string PartOf(std::string_view joint) {
   const std::string plain = PlainName(joint);
-  // A target's neck is what lies at shoulder height, and is made as the thorax is; a detector's neck is not used for
-  // it.
+  // A target's neck is at shoulder height and is made like the thorax, not from a detector's neck, which is higher.
   if (plain == "neck") return "thorax";
   for (const Part& part : Parts()) {
     for (const std::string_view alias : part.aliases) {
@@ -75,15 +74,14 @@ std::string PartOf(std::string_view joint) {
   return "";
 }
 
-/// Finds parts of the body in a layout, and makes those it lacks by the field's rule.
+/// Finds parts of the body in a layout, and derives those it lacks by the field's convention.
 class PartFinder {
  public:
   explicit PartFinder(const Skeleton& layout) : layout_(layout) {}
 
-  /// The joints whose mean the part is; empty where the layout does not allow it.
+  /// The joints whose mean is the part; empty where the layout lacks them.
   [[nodiscard]] std::vector<int> Make(const std::string& part) const {
-    // The trunk between pelvis and shoulders is derived from hips and shoulders, so that it is the same for every
-    // detector.
+    // Pelvis, spine and thorax are derived from hips and shoulders, so that they are the same for every detector.
     if (const std::optional<int> own = Own(part)) return {*own};
     if (part == "pelvis") return MeanOf({"lhip", "rhip"});
     if (part == "thorax") return MeanOf({"lshoulder", "rshoulder"});
@@ -92,7 +90,7 @@ class PartFinder {
       const std::vector<int> eyes = MeanOf({"leye", "reye"});
       return eyes.empty() ? MeanOf({"lear", "rear"}) : eyes;
     }
-    // MPI-INF-3DHP has the head's centre and its top; the centre stands for the nose.
+    // MPI-INF-3DHP has the centre of the head and its top; the centre is used as the nose.
     if (part == "nose") {
       const std::optional<int> head = layout_.Find("head");
       if (head && Own("headtop") != head) return {*head};
@@ -100,7 +98,7 @@ class PartFinder {
     return {};
   }
 
-  /// The joint of the layout that is this part, by the surest of its names.
+  /// The joint of the layout that is this part, by the least ambiguous of its names.
   [[nodiscard]] std::optional<int> Own(const std::string& part) const {
     for (const Part& row : Parts()) {
       const std::string name(row.name);
@@ -129,7 +127,7 @@ class PartFinder {
   const Skeleton& layout_;
 };
 
-/// Whether every joint of one is in the other by name, in whatever order.
+/// Whether both have joints of the same names, in any order.
 bool SameNames(const Skeleton& a, const Skeleton& b) {
   return a.joint_count() == b.joint_count() &&
          std::all_of(a.joints.begin(), a.joints.end(),
@@ -163,7 +161,7 @@ std::optional<int> FindPart(const Skeleton& layout, std::string_view part) {
   return PartFinder(layout).Own(std::string(part));
 }
 
-LayoutMapping MapWhatCanBe(const Skeleton& source, const Skeleton& target) {
+LayoutMapping MapAvailableJoints(const Skeleton& source, const Skeleton& target) {
   LayoutMapping mapping{source, target, {}};
   const PartFinder finder(source);
   const bool same = SameNames(source, target);
@@ -179,7 +177,7 @@ LayoutMapping MapWhatCanBe(const Skeleton& source, const Skeleton& target) {
 }
 
 LayoutMapping MapLayout(const Skeleton& source, const Skeleton& target) {
-  LayoutMapping mapping = MapWhatCanBe(source, target);
+  LayoutMapping mapping = MapAvailableJoints(source, target);
   std::vector<std::string> missing;
   for (std::size_t t = 0; t < mapping.joints.size(); ++t) {
     if (mapping.joints[t].sources.empty()) missing.push_back(target.joints[t]);
@@ -187,8 +185,8 @@ LayoutMapping MapLayout(const Skeleton& source, const Skeleton& target) {
   if (!missing.empty()) {
     ThrowBadInput({"", fmt::format("layout {}", source.name.empty() ? "of the input" : source.name),
                    fmt::format("joints for {}", target.name.empty() ? "the skeleton" : target.name),
-                   fmt::format("nothing to make {} of", fmt::join(missing, ", ")),
-                   fmt::format("check the layout; known ones are {}", BuiltinSkeletonNames())});
+                   fmt::format("none that give {}", fmt::join(missing, ", ")),
+                   fmt::format("check the layout; the known layouts are {}", BuiltinSkeletonNames())});
   }
   return mapping;
 }

@@ -1,4 +1,4 @@
-// How the joints of one layout are made from those of another: by name, never by index.
+// How the joints of one layout are made from the joints of another: by name, never by index.
 #pragma once
 
 #include <optional>
@@ -10,14 +10,14 @@
 
 namespace canonpose {
 
-/// One joint of the target as the mean of source joints. One source is a copy; more make it a derived joint.
+/// One joint of the target as the mean of source joints. With one source it is a copy, with several a derived joint.
 struct JointSource {
   std::vector<int> sources;  ///< indices into the source layout; empty where the target joint cannot be made
   [[nodiscard]] bool derived() const { return sources.size() > 1; }
 };
 
-/// Target joint t is the mean of joints[t].sources. A target is missing where any of its sources is missing, its
-/// confidence is the smallest of its sources'.
+/// Target joint t is the mean of joints[t].sources. It is missing where any of its sources is missing; its confidence
+/// is the lowest of its sources.
 struct LayoutMapping {
   Skeleton source;
   Skeleton target;
@@ -27,23 +27,24 @@ struct LayoutMapping {
   /// it.
   [[nodiscard]] std::string Describe(int target_joint) const;
   [[nodiscard]] std::vector<std::string> DescribeAll() const;
-  /// (J) 1 where derived.
+  /// (J) 1 where the joint is derived.
   [[nodiscard]] std::vector<int> derived() const;
 };
 
-/// A layout's joint by what it is, whatever the layout calls it: "lknee", "rankle" (foot in h36m-17), "lwrist",
-/// "rshoulder", "lhip", "leye", "rear", "lheel", "pelvis", "spine", "thorax", "nose", "headtop"; nothing where the
-/// layout lacks it.
+/// The joint of a layout for a part of the body, whatever the layout calls it: "lknee", "rankle" (foot in h36m-17),
+/// "lwrist", "rshoulder", "lhip", "leye", "rear", "lheel", "pelvis", "spine", "thorax", "nose", "headtop". Nothing
+/// where the layout has none.
 std::optional<int> FindPart(const Skeleton& layout, std::string_view part);
 
-/// The mapping by what joints are (their names and aliases), and by the field's rule for joints a detector lacks:
-/// pelvis = mid hips, thorax = mid shoulders (also where there is a neck, which lies higher), spine = mean of hips and
-/// shoulders, head = mid eyes (mid ears where there are none). Where both layouts have the same names, every joint is a
-/// copy. Throws Error(kBadInput) naming the joints that cannot be made.
+/// Maps joints by the part of the body that they are (their names and aliases). Joints that a detector lacks are made
+/// by the field's convention: pelvis = middle of the hips, thorax = middle of the shoulders (even if there is a neck,
+/// which lies higher), spine = mean of hips and shoulders, head = middle of the eyes (of the ears if there are no
+/// eyes). Where both layouts have the same names, every joint is a copy. Throws Error(kBadInput) that names the joints
+/// that cannot be made.
 LayoutMapping MapLayout(const Skeleton& source, const Skeleton& target);
 
-/// The same, but joints that cannot be made have no sources: they are always missing.
-LayoutMapping MapWhatCanBe(const Skeleton& source, const Skeleton& target);
+/// The same, but joints that cannot be made have no sources and are therefore always missing.
+LayoutMapping MapAvailableJoints(const Skeleton& source, const Skeleton& target);
 
 /// Applies a mapping to one pose. keypoints is (K, 2), confidence (K), of the source; NaN and 0 where missing. The
 /// outputs are (J, 2) and (J) of the target.

@@ -27,7 +27,7 @@ TEST(MappingTest, EveryLayoutGivesBothSkeletons) {
   }
 }
 
-TEST(MappingTest, FollowsTheRuleOfTheField) {
+TEST(MappingTest, FollowsTheConventionOfTheField) {
   EXPECT_EQ(Described("body_25", "h36m-17", "Hip"), "MidHip");
   EXPECT_EQ(Described("halpe-26", "h36m-17", "Hip"), "Hip");
   for (const char* layout : {"body_25b", "coco-18", "coco-17"}) {

@@ -23,7 +23,7 @@ struct NamedJoint {
   const char* parent;
 };
 
-/// The left-right partner of a built-in joint is the one whose name differs in the leading letter or word alone.
+/// The left-right partner of a built-in joint is the one whose name differs only in the leading letter or word.
 int MirrorOf(const Skeleton& skeleton, int joint) {
   std::string partner = skeleton.joints[static_cast<std::size_t>(joint)];
   if (partner.starts_with("left_")) return skeleton.Find("right_" + partner.substr(5)).value_or(joint);
@@ -100,7 +100,7 @@ Skeleton MakeBody25() {
                   {"RHeel", "RAnkle"}});
 }
 
-// No pelvis in this one: the upper neck holds the tree together.
+// This layout has no pelvis: the upper neck connects the tree.
 Skeleton MakeBody25b() {
   return MakeSkeleton(
       "body_25b",
@@ -134,7 +134,7 @@ Skeleton MakeCoco18() {
                                   {"LEar", "LEye"}});
 }
 
-/// COCO's 17 with the trunk held together by `pelvis` and `neck`; without them by the nose and the shoulders.
+/// COCO's 17 joints. The trunk is connected by `pelvis` and `neck`, or where these are missing by nose and shoulders.
 std::vector<NamedJoint> Coco17Joints(bool has_trunk) {
   return {{"Nose", has_trunk ? "Neck" : ""},
           {"LEye", "Nose"},
@@ -258,9 +258,9 @@ std::string Skeleton::Problem() const {
   for (int j = 0; j < count; ++j) {
     const auto i = static_cast<std::size_t>(j);
     if (joints[i].empty()) return fmt::format("joint {} has no name", j);
-    if (Find(joints[i]) != j) return fmt::format("the name {} stands twice", joints[i]);
+    if (Find(joints[i]) != j) return fmt::format("there are two joints named {}", joints[i]);
     if (parents[i] < -1 || parents[i] >= count)
-      return fmt::format("parent {} of {} is no joint", parents[i], joints[i]);
+      return fmt::format("parent {} of {} is not a joint", parents[i], joints[i]);
     if (j == root && parents[i] != -1) return fmt::format("the root {} has a parent", joints[i]);
     if (j != root && parents[i] == -1) return fmt::format("{} has no parent but is not the root", joints[i]);
     if (mirror[i] < 0 || mirror[i] >= count || mirror[static_cast<std::size_t>(mirror[i])] != j) {

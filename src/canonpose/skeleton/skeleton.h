@@ -1,4 +1,4 @@
-// Skeletons are data: joint names, parents, root and left-right partners.
+// Skeletons as data: names of joints, their parents, the root and left-right partners.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@ namespace canonpose {
 
 /// J named joints. The same structure describes the skeleton of a dataset and the keypoints a detector finds.
 struct Skeleton {
-  std::string name;                 ///< "h36m-17"; empty for one that a file brought along
+  std::string name;                 ///< "h36m-17"; empty for one that a file defines
   std::vector<std::string> joints;  ///< (J) unique names
   std::vector<int> parents;         ///< (J) index of the joint towards the root; -1 for the root
   int root = 0;                     ///< the joint that poses are centred on
@@ -22,7 +22,7 @@ struct Skeleton {
   /// Empty where the invariants hold, otherwise the first that does not: sizes agree, names are unique, exactly the
   /// root has no parent, every joint leads to the root, mirror is its own inverse.
   [[nodiscard]] std::string Problem() const;
-  /// Same joints in the same order and the same root; what a model needs of the data it is given.
+  /// Whether both have the same joints in the same order and the same root, as a model requires of its data.
   [[nodiscard]] bool SameJoints(const Skeleton& other) const;
 };
 
@@ -30,11 +30,11 @@ struct Skeleton {
 /// coco-18, coco-17, halpe-26.
 const std::vector<Skeleton>& BuiltinSkeletons();
 
-/// A built-in one by name, ignoring case and the difference between '-' and '_'; null where there is none.
+/// A built-in skeleton by name, ignoring case and the difference between '-' and '_'; null where there is none.
 const Skeleton* FindSkeleton(std::string_view name);
 
-/// Joints of benchmarks' annotations that no detector writes, so that they are no candidates for a detector's layout:
-/// 3dhp-28 and 3dhp-17 (MPI-INF-3DHP's training and test set), mpii-16.
+/// Layouts of benchmarks' annotations. No detector writes them, so they are not candidates when a detector's layout is
+/// recognised: 3dhp-28 and 3dhp-17 (MPI-INF-3DHP's training and test set), mpii-16.
 const std::vector<Skeleton>& BenchmarkSkeletons();
 
 /// "h36m-17, canonpose-16, ..." for messages.

@@ -78,7 +78,7 @@ TEST(SkeletonTest, ProblemNamesWhatIsWrong) {
   EXPECT_EQ(skeleton.Problem(), "mirror entry 2 of LKnee does not lead back");
   skeleton = Stick();
   skeleton.joints[2] = "lknee";
-  EXPECT_EQ(skeleton.Problem(), "the name lknee stands twice");
+  EXPECT_EQ(skeleton.Problem(), "there are two joints named lknee");
   skeleton = Stick();
   skeleton.parents = {-1, 2, 1};
   EXPECT_EQ(skeleton.Problem(), "the parents of LKnee do not lead to the root");

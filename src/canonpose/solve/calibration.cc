@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <vector>
 
 #include "canonpose/base/median.h"
 #include "canonpose/base/parallel.h"
@@ -58,18 +59,36 @@ AdjustmentSummary AdjustTwice(const CaptureObservations& capture, std::span<cons
   return AdjustToNoise(capture, frames, fixed_view, solution);
 }
 
+/// What one of the two mirrors came to after each adjustment; the last is the result.
+using Stages = std::vector<Solution>;
+
+/// By how many standard errors the first mirror explains the frames better than the second after every adjustment: the
+/// smallest of these leads, 0 where the lead changes sides.
+double LastingPreference(const CaptureObservations& capture, std::span<const int> frames, const Stages& a,
+                         const Stages& b) {
+  double smallest = Preference(capture, frames, a.front(), b.front());
+  for (std::size_t i = 1; i < a.size(); ++i) {
+    const double preference = Preference(capture, frames, a[i], b[i]);
+    if (preference * smallest <= 0.0) return 0.0;
+    if (std::abs(preference) < std::abs(smallest)) smallest = preference;
+  }
+  return smallest;
+}
+
 /// Solves from the start's poses and from their mirror, and keeps the solution that explains the keypoints better.
 /// Where the evidence is not decisive, keeps the start's: a lifter has learnt what people look like, or its own mirror
 /// was decided in training; after a factorisation either is as good.
 Solution DecideMirror(const CaptureObservations& capture, std::span<const int> frames,
-                      const CalibrationOptions& options, const std::function<Solution(bool mirrored)>& solve) {
-  if (options.mirror != "auto") return solve(options.mirror == "flip");
-  std::array<Solution, 2> solutions;
-  InParallel(2, options.threads, [&](int i) { solutions[static_cast<std::size_t>(i)] = solve(i == 1); });
+                      const CalibrationOptions& options, const std::function<Stages(bool mirrored)>& solve) {
+  if (options.mirror != "auto") return std::move(solve(options.mirror == "flip").back());
+  std::array<Stages, 2> stages;
+  InParallel(2, options.threads, [&](int i) { stages[static_cast<std::size_t>(i)] = solve(i == 1); });
   // A mirror that could not be adjusted is not evidence either way.
-  if (!solutions[0].calibration.IsUsable() || !solutions[1].calibration.IsUsable()) return std::move(solutions[0]);
-  const double preference = Preference(capture, frames, solutions[0], solutions[1]);
-  Solution& best = solutions[preference < -kDecisiveSigma ? 1 : 0];
+  if (!stages[0].back().calibration.IsUsable() || !stages[1].back().calibration.IsUsable()) {
+    return std::move(stages[0].back());
+  }
+  const double preference = LastingPreference(capture, frames, stages[0], stages[1]);
+  Solution& best = stages[preference < -kDecisiveSigma ? 1 : 0].back();
   best.mirror_sigma = std::abs(preference);
   if (preference < 0.0 && !best.mirrored) best.mirror_sigma = preference;
   return std::move(best);
@@ -124,7 +143,7 @@ Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOp
     solution.mirrored = mirrored;
     solution.estimate = InitialiseStatic(capture, frames, camera_from_world, mirrored);
     solution.calibration = AdjustTwice(capture, frames, ReferenceView(camera_from_world), solution);
-    return solution;
+    return Stages{std::move(solution)};
   });
 }
 
@@ -142,14 +161,16 @@ Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOp
     solution.estimate = InitialiseMoving(capture, usable, camera_from_world, mirrored);
     solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
     solution.calibration = AdjustTwice(capture, frames, -1, solution);
-    if (!solution.calibration.IsUsable()) return solution;
+    if (!solution.calibration.IsUsable()) return Stages{std::move(solution)};
     solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);
-    // Once more with the measured angular velocity. Otherwise the mirror whose cameras rotate less has an advantage.
+    Stages stages{solution};
+    // Once more with the measured angular velocity: a lead that only one of the adjustments shows is chance.
     solution.calibration = AdjustToNoise(capture, frames, -1, solution);
-    if (!solution.calibration.IsUsable()) return solution;
+    if (!solution.calibration.IsUsable()) return Stages{std::move(solution)};
     solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);
     SpreadFocalLengths(capture, frames, solution);
-    return solution;
+    stages.push_back(std::move(solution));
+    return stages;
   });
 }
 

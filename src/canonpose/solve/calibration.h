@@ -1,4 +1,5 @@
-// Finds the cameras of a capture from some of its frames, and decides between the solution and its mirror.
+// Finds the cameras of a capture from some of its frames, and decides the depth-reversal ambiguity, that is, between
+// the solution and its mirror.
 #pragma once
 
 #include <string>

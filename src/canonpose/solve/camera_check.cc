@@ -68,7 +68,7 @@ double DisagreementOf(const CaptureObservations& capture, const Solution& soluti
     const int left_out = solution.estimate.ValidViews(n).size() > 2 ? view : -1;
     for (int j = 0; j < capture.joint_count(); ++j) {
       if (!capture.Sees(n, view, j)) continue;
-      const Triangulation others = TriangulateJoint(capture, n, j, solution.scales, solution.estimate, left_out);
+      const RobustPoint others = TriangulateJoint(capture, n, j, solution.scales, solution.estimate, left_out);
       if (!others.point.allFinite()) continue;
       const double error =
           DistanceInFront(solution.estimate.InCamera(n, view, others.point), camera.Focal(), capture.At(n, view, j));

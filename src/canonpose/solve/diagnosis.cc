@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/median.h"
+#include "canonpose/geometry/angles.h"
 #include "canonpose/solve/calibration.h"
 #include "canonpose/solve/fit.h"
 #include "canonpose/solve/initialisation.h"
@@ -35,8 +36,6 @@ constexpr double kMaxDepthOverWidth = 1.8;
 /// A quarter longer. Good captures: up to 0.08, with twice the noise 0.14.
 constexpr double kMaxAsymmetry = 0.223;
 
-double Degrees(double radians) { return radians * 180.0 / M_PI; }
-
 /// The size of a body in a view: the root mean square distance of its keypoints from the root; NaN where only one is
 /// seen.
 double ImageSize(const CaptureObservations& capture, int frame, int view) {
@@ -62,7 +61,7 @@ double LargestAngle(const CaptureObservations& capture, const RigEstimate& estim
       largest = std::max(largest, std::acos(std::min(1.0, cosine)));
     }
   }
-  return Degrees(largest);
+  return DegFromRad(largest);
 }
 
 /// Extent of a pose along the viewing axis relative to its width; NaN where joints are missing.

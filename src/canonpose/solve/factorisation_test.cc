@@ -8,6 +8,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/testing.h"
+#include "canonpose/geometry/angles.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/rotation_averaging.h"
 #include "canonpose/solve/solve_testing.h"
@@ -47,7 +48,7 @@ double RotationErrorDeg(const Dataset& dataset, const std::vector<Eigen::Matrix3
       largest[1] = std::max(largest[1], RotationAngle(MirrorRotation(right), expected));
     }
   }
-  return std::min(largest[0], largest[1]) * 180.0 / M_PI;
+  return DegFromRad(std::min(largest[0], largest[1]));
 }
 
 struct Rig {

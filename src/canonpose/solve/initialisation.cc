@@ -15,7 +15,7 @@ namespace {
 constexpr double kPoseWeight = 0.05;
 constexpr int kShapeRounds = 3;
 
-double SumOfBones(const Skeleton& skeleton, const Points3& joints) {
+double SumOfBones(const Skeleton& skeleton, const Points3d& joints) {
   double sum = 0.0;
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     const int parent = skeleton.parents[static_cast<std::size_t>(j)];
@@ -25,11 +25,11 @@ double SumOfBones(const Skeleton& skeleton, const Points3& joints) {
 }
 
 /// The mean of the lifter's poses in the world, (J, 3).
-Points3 MeanStart(const CaptureObservations& capture, int frame, std::span<const Eigen::Matrix3d> camera_from_world,
-                  const std::vector<int>& views, bool mirrored) {
-  Points3 mean = Points3::Zero(capture.joint_count(), 3);
+Points3d MeanStart(const CaptureObservations& capture, int frame, std::span<const Eigen::Matrix3d> camera_from_world,
+                   const std::vector<int>& views, bool mirrored) {
+  Points3d mean = Points3d::Zero(capture.joint_count(), 3);
   for (const int v : views) {
-    Points3 pose = capture.StartOf(frame, v);
+    Points3d pose = capture.StartOf(frame, v);
     if (mirrored) pose.col(2) *= -1.0;
     mean += pose * camera_from_world[static_cast<std::size_t>(v)];  // rows: (R^T p)^T = p^T R
   }
@@ -38,7 +38,7 @@ Points3 MeanStart(const CaptureObservations& capture, int frame, std::span<const
 
 /// The scale of a view by least squares: its keypoints relative to the root against the projected joints.
 double ImageScaleOf(const CaptureObservations& capture, int frame, int view, const Eigen::Matrix3d& rotation,
-                    const Points3& joints) {
+                    const Points3d& joints) {
   const Eigen::Vector2d root = capture.At(frame, view, capture.skeleton.root);
   double product = 0.0;
   double squares = 0.0;
@@ -53,7 +53,7 @@ double ImageScaleOf(const CaptureObservations& capture, int frame, int view, con
 }
 
 void RefineShape(const CaptureObservations& capture, int frame, std::span<const Eigen::Matrix3d> camera_from_world,
-                 const std::vector<int>& views, const Points3& prior, FrameShape& shape) {
+                 const std::vector<int>& views, const Points3d& prior, FrameShape& shape) {
   for (int j = 0; j < capture.joint_count(); ++j) {
     Eigen::Matrix3d normal = kPoseWeight * Eigen::Matrix3d::Identity();
     Eigen::Vector3d right = kPoseWeight * prior.row(j).transpose();
@@ -149,7 +149,7 @@ void FillFromStart(const CaptureObservations& capture, int frame, bool mirrored,
     rotations[static_cast<std::size_t>(v)] = estimate.CameraAt(frame, v).Rotation();
   }
   if (views.empty()) return;
-  const Points3 mean = MeanStart(capture, frame, rotations, views, mirrored);
+  const Points3d mean = MeanStart(capture, frame, rotations, views, mirrored);
   for (bool changed = true; changed;) {
     changed = false;
     for (int j = 0; j < capture.joint_count(); ++j) {
@@ -184,7 +184,7 @@ FrameShape ShapeFromViews(const CaptureObservations& capture, int frame,
     if (capture.HasStart(frame, v) && camera_from_world[static_cast<std::size_t>(v)].allFinite()) views.push_back(v);
   }
   if (views.size() < 2) return shape;
-  const Points3 mean = MeanStart(capture, frame, camera_from_world, views, mirrored);
+  const Points3d mean = MeanStart(capture, frame, camera_from_world, views, mirrored);
   shape.joints = mean;
   for (int round = 0; round <= kShapeRounds; ++round) {
     for (const int v : views) {
@@ -249,46 +249,16 @@ RigEstimate InitialiseMoving(const CaptureObservations& capture, std::span<const
   return estimate;
 }
 
-Triangulation TriangulateJoint(const CaptureObservations& capture, int frame, int joint, const AdjustmentScales& scales,
-                               const RigEstimate& estimate, int left_out_view) {
-  constexpr int kRounds = 5;
-  constexpr double kWideLossScale = 3.0;
-  struct Ray {
-    Eigen::Matrix3d rotation;
-    Eigen::Vector3d translation;
-    Eigen::Vector2d direction;  ///< (x, y) / z
-    double scatter;
-    double weight = 1.0;
-  };
-  std::vector<Ray> rays;
+RobustPoint TriangulateJoint(const CaptureObservations& capture, int frame, int joint, const AdjustmentScales& scales,
+                             const RigEstimate& estimate, int left_out_view) {
+  std::vector<PointRay> rays;
   for (int v = 0; v < capture.view_count(); ++v) {
     const CameraEstimate& camera = estimate.CameraAt(frame, v);
     if (v == left_out_view || !camera.valid || !capture.Sees(frame, v, joint)) continue;
     rays.push_back({camera.Rotation(), estimate.Translation(frame, v), capture.At(frame, v, joint) / camera.Focal(),
                     scales.observation.Scatter(joint, capture.confidence[capture.Index(frame, v, joint)])});
   }
-  Triangulation result;
-  for (int round = 0; rays.size() >= 2 && round < kRounds; ++round) {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (const Ray& ray : rays) {
-      for (int axis = 0; axis < 2; ++axis) {
-        const Eigen::Vector3d row = (ray.rotation.row(axis) - ray.direction[axis] * ray.rotation.row(2)).transpose();
-        const double weight = ray.weight / (ray.scatter * ray.scatter);
-        normal += weight * row * row.transpose();
-        right += weight * row * (ray.direction[axis] * ray.translation.z() - ray.translation[axis]);
-      }
-    }
-    result.point = normal.ldlt().solve(right);
-    result.information = normal;
-    for (Ray& ray : rays) {
-      const Eigen::Vector3d p = ray.rotation * result.point + ray.translation;
-      // Measured at the joint's depth, in body units, as the rows above are.
-      const double error = (p.head<2>() - ray.direction * p.z()).norm() / ray.scatter;
-      ray.weight = 1.0 / (1.0 + std::pow(error / kWideLossScale, 2));
-    }
-  }
-  return result;
+  return TriangulateRobustly(rays);
 }
 
 void TriangulateFrame(const CaptureObservations& capture, int frame, const AdjustmentScales& scales, bool mirrored,

@@ -1,19 +1,18 @@
 // From rotations between cameras to a first estimate of everything, in closed form or frame by frame.
 #pragma once
 
-#include <cmath>
 #include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "canonpose/geometry/points.h"
+#include "canonpose/geometry/triangulation.h"
 #include "canonpose/solve/adjustment.h"
 #include "canonpose/solve/observations.h"
 #include "canonpose/solve/rig_estimate.h"
 
 namespace canonpose {
-
-using Points3 = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 /// F R F with F = diag(1, 1, -1). Under orthography a pose X seen with rotation R and its mirror F X seen with F R F
 /// give the same image: the depth-reversal ambiguity.
@@ -21,7 +20,7 @@ Eigen::Matrix3d MirrorRotation(const Eigen::Matrix3d& rotation);
 
 /// The pose of one frame under scaled orthography.
 struct FrameShape {
-  Points3 joints;              ///< (J, 3) in the world, centred on the root; the sum of the bone lengths is 1
+  Points3d joints;             ///< (J, 3) in the world, centred on the root; the sum of the bone lengths is 1
   std::vector<double> scales;  ///< (V) normalised image coordinates per unit; 0 where the view was not used
   bool valid = false;          ///< at least two views were lifted, have a rotation and do not contradict each other
 };
@@ -43,15 +42,10 @@ RigEstimate InitialiseStatic(const CaptureObservations& capture, std::span<const
 RigEstimate InitialiseMoving(const CaptureObservations& capture, std::span<const int> frames,
                              const std::vector<std::vector<Eigen::Matrix3d>>& camera_from_world, bool mirrored);
 
-/// A joint from the views that see it.
-struct Triangulation {
-  Eigen::Vector3d point = Eigen::Vector3d::Constant(std::nan(""));  ///< in the world; NaN from fewer than two views
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();            ///< inverse covariance, body units
-};
-
-/// Linear triangulation, reweighted so that a bad view counts little. `left_out_view` is not used; -1 uses all views.
-Triangulation TriangulateJoint(const CaptureObservations& capture, int frame, int joint, const AdjustmentScales& scales,
-                               const RigEstimate& estimate, int left_out_view = -1);
+/// A joint from the views that see it (TriangulateRobustly()), in body units. `left_out_view` is not used; -1 uses all
+/// views.
+RobustPoint TriangulateJoint(const CaptureObservations& capture, int frame, int joint, const AdjustmentScales& scales,
+                             const RigEstimate& estimate, int left_out_view = -1);
 
 /// Sets the joints of a frame by TriangulateJoint(), given the cameras of a static rig. A joint that only one view sees
 /// is placed at its bone's length from its parent, in the direction that the lifter's poses give; one that no view sees

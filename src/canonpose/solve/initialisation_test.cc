@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,8 +27,8 @@ std::vector<Eigen::Matrix3d> RotationsIn(const RigEstimate& estimate, int frame)
 }
 
 /// The truth's joints about the root, (J, 3).
-Points3 TruthAboutRoot(const ExactRig& rig, int frame) {
-  Points3 joints(rig.capture.joint_count(), 3);
+Points3d TruthAboutRoot(const ExactRig& rig, int frame) {
+  Points3d joints(rig.capture.joint_count(), 3);
   for (int j = 0; j < rig.capture.joint_count(); ++j) {
     joints.row(j) = (rig.truth.Joint(frame, j) - rig.truth.Joint(frame, rig.capture.skeleton.root)).transpose();
   }
@@ -82,7 +83,7 @@ TEST(ShapeFromViews, OfTheMirroredStartIsTheMirror) {
   std::ranges::transform(mirrored, mirrored.begin(), MirrorRotation);
   const FrameShape shape = ShapeFromViews(rig.capture, 3, mirrored, true);
   ASSERT_TRUE(shape.valid);
-  Points3 truth = TruthAboutRoot(rig, 3);
+  Points3d truth = TruthAboutRoot(rig, 3);
   truth.col(2) *= -1.0;
   EXPECT_LT((shape.joints - truth).rowwise().norm().maxCoeff(), 1e-3);
 }
@@ -167,7 +168,7 @@ TEST(InitialiseMoving, IsNearTheTruthWhereTwoViewsWereLifted) {
 TEST(TriangulateJoint, IsExactOfExactKeypoints) {
   const ExactRig rig = MakeExactRig();
   for (int j = 0; j < rig.capture.joint_count(); ++j) {
-    const Triangulation found = TriangulateJoint(rig.capture, 8, j, {}, rig.truth);
+    const RobustPoint found = TriangulateJoint(rig.capture, 8, j, {}, rig.truth);
     EXPECT_LT((found.point - rig.truth.Joint(8, j)).norm(), 1e-6) << j;
     EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(found.information).eigenvalues()[0], 0.0) << j;
   }

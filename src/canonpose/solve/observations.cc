@@ -78,7 +78,7 @@ bool CaptureObservations::HasStart(int frame, int view) const {
   return Sees(frame, view, skeleton.root) && std::isfinite(start[3 * Index(frame, view, 0)]);
 }
 
-Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> CaptureObservations::StartOf(int frame, int view) const {
+Points3d CaptureObservations::StartOf(int frame, int view) const {
   using Rows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
   return Eigen::Map<const Rows>(&start[3 * Index(frame, view, 0)], joint_count(), 3).cast<double>();
 }

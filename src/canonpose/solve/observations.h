@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "canonpose/data/dataset.h"
+#include "canonpose/geometry/points.h"
 
 namespace canonpose {
 
@@ -69,7 +70,7 @@ struct CaptureObservations {
   /// Whether the view shows the root and was lifted.
   [[nodiscard]] bool HasStart(int frame, int view) const;
   /// (J, 3), NaN where not lifted.
-  [[nodiscard]] Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> StartOf(int frame, int view) const;
+  [[nodiscard]] Points3d StartOf(int frame, int view) const;
   [[nodiscard]] const ClipRange& ClipOf(int frame) const;
 };
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canonpose/base/median.h"
+#include "canonpose/geometry/angles.h"
 #include "canonpose/solve/calibration.h"
 #include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
@@ -130,7 +131,7 @@ double LargestViewAngle(const CaptureObservations& capture, const RigEstimate& e
       }
     }
   }
-  return largest * 180.0 / M_PI;
+  return DegFromRad(largest);
 }
 
 }  // namespace

@@ -8,15 +8,14 @@
 
 #include "canonpose/base/median.h"
 #include "canonpose/geometry/alignment.h"
+#include "canonpose/geometry/angles.h"
 
 namespace canonpose {
 namespace {
 
-constexpr double kMinAngleRad = 5.0 * M_PI / 180.0;
+constexpr double kMinAngleRad = RadFromDeg(5.0);
 constexpr int kReweightings = 10;
 constexpr int kSynchronisationRounds = 50;
-
-using Poses = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 Eigen::Matrix3d NoRotation() { return Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
@@ -40,7 +39,7 @@ FrameRotations RelativeRotations(const CaptureObservations& capture, int frame) 
   const int views = capture.view_count();
   FrameRotations relative{std::vector<Eigen::Matrix3d>(static_cast<std::size_t>(views * views)),
                           std::vector<double>(static_cast<std::size_t>(views * views), 0.0)};
-  std::vector<Poses> poses(static_cast<std::size_t>(views));
+  std::vector<Points3d> poses(static_cast<std::size_t>(views));
   for (int v = 0; v < views; ++v) {
     if (capture.HasStart(frame, v)) poses[static_cast<std::size_t>(v)] = capture.StartOf(frame, v);
   }
@@ -110,7 +109,9 @@ MeanRotation RobustMean(std::span<const Eigen::Matrix3d> samples, std::span<cons
   return mean;
 }
 
-Eigen::Matrix3d AlignRotation(const Poses& from, const Poses& to) { return NearestRotation(to.transpose() * from); }
+Eigen::Matrix3d AlignRotation(const Points3d& from, const Points3d& to) {
+  return NearestRotation(to.transpose() * from);
+}
 
 std::vector<Eigen::Matrix3d> SynchroniseRotations(const std::vector<std::vector<MeanRotation>>& pairs) {
   const std::size_t views = pairs.size();

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "canonpose/geometry/points.h"
 #include "canonpose/solve/observations.h"
 
 namespace canonpose {
@@ -25,8 +26,7 @@ struct MeanRotation {
 MeanRotation RobustMean(std::span<const Eigen::Matrix3d> samples, std::span<const double> weights);
 
 /// The rotation that takes the pose in view `from` to that in view `to`, both (J, 3) root-centred.
-Eigen::Matrix3d AlignRotation(const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& from,
-                              const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& to);
+Eigen::Matrix3d AlignRotation(const Points3d& from, const Points3d& to);
 
 /// camera_from_world rotations (V) from relative ones, camera_from_camera[to][from]. The world is the frame of the
 /// camera whose pairs have most weight. A spanning tree of the heaviest pairs gives a start, 50 rounds of averaging

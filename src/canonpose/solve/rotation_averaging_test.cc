@@ -97,7 +97,7 @@ TEST(SynchroniseRotations, CamerasOutOfReachStayUnknown) {
 
 TEST(AlignRotation, FindsTheTurn) {
   Rng rng(6);
-  Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> pose(8, 3);
+  Points3d pose(8, 3);
   for (Eigen::Index i = 0; i < pose.size(); ++i) pose.data()[i] = rng.Normal();
   const Eigen::Matrix3d truth = RandomRotation(rng);
   EXPECT_LT(RotationAngle(AlignRotation(pose, 3.0 * pose * truth.transpose()), truth), 1e-9);

@@ -96,7 +96,8 @@ void FinishReport(const CaptureObservations& capture, const SolveOptions& option
   if (!doubt.empty()) report.warnings.push_back(doubt);
   if (options.mirror == "auto" && std::abs(solution.mirror_sigma) < kDecisiveSigma) {
     report.warnings.emplace_back(
-        "perspective does not decide between the solution and its mirror in depth; depth is as in the start's poses");
+        "perspective is too weak to decide between the poses and their mirror images in depth; depth is as in the "
+        "start's poses");
   }
 }
 

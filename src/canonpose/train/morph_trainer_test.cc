@@ -17,9 +17,9 @@ namespace {
 using testing::CalibratedShow;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
-using testing::StoppedAfter;
 using testing::kJoints;
 using testing::PuppetShow;
+using testing::StoppedAfter;
 using testing::TemporaryFolder;
 
 /// Moves joint 2 of every pose by a tenth of the distance of joint 1 from the root: an error that depends on the pose.

@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "canonpose/geometry/angles.h"
 #include "canonpose/model/pose_input.h"
 
 namespace canonpose {
@@ -15,7 +16,7 @@ namespace {
 
 /// The x axes of two cameras must be 20 degrees apart: tan(10 degrees) squared.
 constexpr double kMinSpread = 0.031;
-constexpr double kTiltAndRollRad = 5.0 * std::numbers::pi / 180.0;
+constexpr double kTiltAndRollRad = RadFromDeg(5.0);
 constexpr double kLogDistance = 0.15;
 
 /// Root mean square distance of the projected joints from the root, over the joints that have a projection.

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "canonpose/geometry/angles.h"
 #include "canonpose/train/augmentation.h"
 
 namespace canonpose {
@@ -70,8 +71,10 @@ RowForm Form(const char* ray, const char* focal = "known") { return {TrainingTar
 /// A row's copy in a batch.
 struct Copy {
   explicit Copy(const TrainingSet& set, int row) {
-    keypoints.assign(set.keypoints.begin() + 2L * kFilmedJoints * row, set.keypoints.begin() + 2L * kFilmedJoints * (row + 1));
-    confidence.assign(set.confidence.begin() + 1L * kFilmedJoints * row, set.confidence.begin() + 1L * kFilmedJoints * (row + 1));
+    keypoints.assign(set.keypoints.begin() + 2L * kFilmedJoints * row,
+                     set.keypoints.begin() + 2L * kFilmedJoints * (row + 1));
+    confidence.assign(set.confidence.begin() + 1L * kFilmedJoints * row,
+                      set.confidence.begin() + 1L * kFilmedJoints * (row + 1));
     target.assign(set.target.begin() + 3L * kFilmedJoints * row, set.target.begin() + 3L * kFilmedJoints * (row + 1));
   }
   TrainingRow row() { return {keypoints.data(), confidence.data(), target.data(), nullptr}; }
@@ -200,7 +203,7 @@ TEST(NewViews, CamerasTurnAboutTheVerticalAndKeepTheirTilt) {
   }
   // Tilt and roll both move the vertical, roll a little less: the cameras look down by 0.3.
   const double expected_deg = 5.0 * std::sqrt(1.0 + std::pow(std::cos(0.3), 2));
-  EXPECT_NEAR(std::sqrt(squares_rad2) * 180.0 / std::numbers::pi, expected_deg, 0.3);
+  EXPECT_NEAR(DegFromRad(std::sqrt(squares_rad2)), expected_deg, 0.3);
   EXPECT_NEAR(std::sqrt(squares_log), 0.15, 0.01);
   for (const int quarter : quarters) EXPECT_NEAR(quarter, kDraws / 4, kDraws / 20);
 }

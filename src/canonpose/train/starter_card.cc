@@ -75,18 +75,16 @@ double SupervisedLossOf(const ModelFile& starter, const Dataset& dataset, const 
 }  // namespace
 
 std::string StarterCard::ToJson() const {
-  const Json json = {{"recipe", Json::parse(recipe)},
-                     {"people", people},
-                     {"brief_loss", brief_loss},
-                     {"unseen_error", unseen_error}};
+  const Json json = {
+      {"recipe", Json::parse(recipe)}, {"people", people}, {"brief_loss", brief_loss}, {"unseen_error", unseen_error}};
   return json.dump(1) + "\n";
 }
 
 StarterCard StarterCard::FromJson(const std::string& text, const std::string& file) {
   try {
     const Json json = Json::parse(text);
-    return {json.at("recipe").dump(), json.at("people").get<std::vector<double>>(),
-            json.at("brief_loss").get<double>(), json.at("unseen_error").get<std::vector<double>>()};
+    return {json.at("recipe").dump(), json.at("people").get<std::vector<double>>(), json.at("brief_loss").get<double>(),
+            json.at("unseen_error").get<std::vector<double>>()};
   } catch (const Json::exception&) {
     ThrowBadInput({file, "", "the card of a starter as JSON", "another text", "make it again: scripts/make-starter"});
   }

@@ -28,9 +28,9 @@ using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 using testing::CalibratedShow;
-using testing::StoppedAfter;
 using testing::kJoints;
 using testing::PuppetShow;
+using testing::StoppedAfter;
 
 /// A puppet that does not turn, before cameras around it whose calibration is known.
 Dataset CalibratedRing(int frames, int cameras) {

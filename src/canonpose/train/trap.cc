@@ -9,6 +9,7 @@
 
 #include "canonpose/base/log.h"
 #include "canonpose/geometry/alignment.h"
+#include "canonpose/geometry/angles.h"
 #include "canonpose/train/losses.h"
 
 namespace canonpose {
@@ -16,7 +17,7 @@ namespace {
 
 constexpr std::size_t kFramesWanted = 3000;
 constexpr std::size_t kTrapChunkFrames = 1024;
-constexpr double kDegrees = 180.0 / M_PI;
+constexpr double kDegPerRad = DegFromRad(1.0);
 
 double Median(std::vector<double>& values) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
@@ -36,7 +37,7 @@ constexpr double kSuspiciousScatter = 0.4;
 constexpr double kTrappedScatter = 0.6;
 
 double AngleDegrees(const Eigen::Matrix3d& rotation) {
-  return std::acos(std::clamp((rotation.trace() - 1.0) / 2.0, -1.0, 1.0)) * kDegrees;
+  return std::acos(std::clamp((rotation.trace() - 1.0) / 2.0, -1.0, 1.0)) * kDegPerRad;
 }
 
 /// Adds what the lifter makes of a chunk of frames.

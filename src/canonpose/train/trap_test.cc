@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "canonpose/base/random.h"
+#include "canonpose/geometry/angles.h"
 
 namespace canonpose {
 namespace {
@@ -17,7 +18,7 @@ using ::testing::Not;
 constexpr int kPoseJoints = 12;
 
 Eigen::Matrix3d TurnAbout(const Eigen::Vector3d& axis, double degrees) {
-  return Eigen::AngleAxisd(degrees / 180.0 * M_PI, axis).toRotationMatrix();
+  return Eigen::AngleAxisd(RadFromDeg(degrees), axis).toRotationMatrix();
 }
 
 /// Upright people, three times as high as wide, facing all ways before two cameras that look down by `tilt_degrees`;
@@ -118,7 +119,7 @@ Lifter ConstantLifter(double depth, double yaw_degrees, RotationForm form = Rota
   for (auto& item : lifter->named_parameters()) {
     if (item.key() == "pose3d.bias") item.value().copy_(pose.flatten());
     if (item.key() != "enc_rot.bias") continue;
-    const double yaw = yaw_degrees / 180.0 * M_PI;
+    const double yaw = RadFromDeg(yaw_degrees);
     if (form == RotationForm::kAxisAngle) {
       item.value()[1] = yaw;
     } else {  // the first column, less the identity's

@@ -2,16 +2,16 @@
 
 #include <utility>
 
-#include "canonpose/evaluate/reference.h"
+#include "canonpose/data/sequence_triangulation.h"
 
 namespace canonpose {
 
 void LearnFromTriangulation(Dataset& dataset) {
   for (Sequence& sequence : dataset.sequences) {
-    SequenceReference reference = TriangulateSequence(sequence, dataset.skeleton.joint_count());
+    SequencePoses triangulated = TriangulateSequence(sequence, dataset.skeleton.joint_count());
     for (std::size_t c = 0; c < sequence.cameras.size(); ++c) {
       CameraView& view = sequence.cameras[c];
-      view.solved = std::move(reference.poses_in_camera[c]);
+      view.solved = std::move(triangulated.poses_in_camera[c]);
       view.solved_uncertainty.clear();
       view.solved_calibration = view.calibration;
     }

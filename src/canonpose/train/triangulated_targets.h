@@ -7,8 +7,8 @@
 
 namespace canonpose {
 
-/// Puts the poses that the calibration makes of the keypoints (evaluate/reference.h, TriangulateSequence()) in the
-/// place of solved ones, and the calibrated cameras in that of solved cameras.
+/// Puts the poses that the calibration makes of the keypoints (data/sequence_triangulation.h, TriangulateSequence()) in
+/// the place of solved ones, and the calibrated cameras in that of solved cameras.
 void LearnFromTriangulation(Dataset& dataset);
 
 }  // namespace canonpose

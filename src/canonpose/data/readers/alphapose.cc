@@ -7,8 +7,8 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/progress.h"
+#include "canonpose/data/codecs/json.h"
 #include "canonpose/data/readers/flat_list.h"
-#include "canonpose/data/readers/json.h"
 
 namespace canonpose {
 namespace {

@@ -8,12 +8,12 @@
 
 namespace canonpose {
 
-/// The cameras of a path: a results file, a folder with one such file a camera, a folder of frames (sep-json), or a
-/// folder of folders that hold one of these each. Throws Error(kBadInput).
+/// The cameras of a path: a results file, a folder with one such file per camera, a folder of frames (sep-json), or a
+/// folder of folders that contain one of these each. Throws Error(kBadInput).
 std::vector<CameraInput> FindAlphaPoseCameras(const std::filesystem::path& path);
 
-/// Reads one camera. Images without people are not in these files: gaps in the numbering become frames without people.
-/// Throws Error(kBadInput).
+/// Reads one camera. These files leave out images without people, so gaps in the numbering become frames without
+/// people. Throws Error(kBadInput).
 DetectedCamera ReadAlphaPose(const CameraInput& input);
 
 }  // namespace canonpose

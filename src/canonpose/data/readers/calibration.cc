@@ -6,12 +6,12 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/data/readers/json.h"
+#include "canonpose/data/codecs/json.h"
 
 namespace canonpose {
 namespace {
 
-/// A rotation read from a file with a few digits is orthonormal no better than this.
+/// A rotation that was written with few digits is only orthonormal to about this.
 constexpr double kRotationTolerance = 1e-3;
 
 Eigen::Matrix3d Matrix3(const JsonValue& value) {
@@ -91,7 +91,8 @@ const CalibratedCamera& FindCalibration(const std::map<std::string, CalibratedCa
   if (found != cameras.end()) return found->second;
   std::string names;
   for (const auto& [other, camera] : cameras) names += (names.empty() ? "" : ", ") + other;
-  ThrowBadInput({path.string(), "cameras", "camera " + name, names, "name the cameras alike; see `camera` NAME=PATH"});
+  ThrowBadInput({path.string(), "cameras", "camera " + name, names,
+                 "use the same names for the cameras; see `camera` NAME=PATH"});
 }
 
 }  // namespace canonpose

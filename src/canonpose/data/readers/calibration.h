@@ -16,11 +16,11 @@ struct CalibratedCamera {
   std::optional<std::array<int, 2>> image_size;  ///< width, height in pixels
 };
 
-/// x_camera = R * x_world + t, in the file's units ("mm" or "m"), pixel = K * distort(x_camera / z). Throws
-/// Error(kBadInput), also where K is no camera matrix or R no rotation.
+/// Reads the cameras of a file: x_camera = R * x_world + t, in the file's units ("mm" or "m"), pixel = K *
+/// distort(x_camera / z). Throws Error(kBadInput), also where K is not a camera matrix or R is not a rotation.
 std::map<std::string, CalibratedCamera> ReadCalibration(const std::filesystem::path& path);
 
-/// The camera of that name. Throws Error(kBadInput) naming it and those that `path` has.
+/// The camera of that name. Throws Error(kBadInput) that names it and the cameras in `path`.
 const CalibratedCamera& FindCalibration(const std::map<std::string, CalibratedCamera>& cameras, const std::string& name,
                                         const std::filesystem::path& path);
 

@@ -1,7 +1,7 @@
 #include "canonpose/data/readers/coco.h"
 
+#include "canonpose/data/codecs/json.h"
 #include "canonpose/data/readers/flat_list.h"
-#include "canonpose/data/readers/json.h"
 
 namespace canonpose {
 

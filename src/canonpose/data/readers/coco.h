@@ -8,10 +8,10 @@
 
 namespace canonpose {
 
-/// The cameras of a path: a results file, or a folder with one such file a camera. Throws Error(kBadInput).
+/// The cameras of a path: a results file, or a folder with one such file per camera. Throws Error(kBadInput).
 std::vector<CameraInput> FindCocoCameras(const std::filesystem::path& path);
 
-/// Reads one camera; the image id is the frame number. Images without people are not in these files: gaps in the
+/// Reads one camera; the image id is the frame number. These files leave out images without people, so gaps in the
 /// numbering become frames without people. Throws Error(kBadInput).
 DetectedCamera ReadCoco(const CameraInput& input);
 

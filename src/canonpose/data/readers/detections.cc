@@ -18,11 +18,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// So that differences never overflow; time stamps in nanoseconds still fit.
+/// Keeps differences from overflowing; time stamps in nanoseconds still fit.
 constexpr std::int64_t kLargestFrameNumber = 2'000'000'000'000'000'000;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-/// Whole-body sets begin with a body set of their own; the face and the hands behind it are left out.
+/// Whole-body sets start with a body set; the face and the hands that follow are left out.
 struct WholeBodySet {
   std::size_t keypoint_count;
   std::size_t body_count;
@@ -97,9 +97,9 @@ DetectedFrame& CameraBuilder::Frame(std::int64_t number, const std::string& imag
     frame.number = number;
     frame.image = image;
   } else if (frame.image != image) {
-    ThrowBadInput({file, place, "one image a frame number",
+    ThrowBadInput({file, place, "one image per frame number",
                    fmt::format("{} and {}, both frame {}", frame.image, image, number),
-                   "one folder or file a camera; the frame number is the last number in the name"});
+                   "use one folder or file per camera; the frame number is the last number in the name"});
   }
   return frame;
 }
@@ -122,7 +122,7 @@ DetectedCamera CameraBuilder::Finish(bool fill_gaps) {
   if (camera_.keypoint_count == 0) {
     ThrowBadInput({camera_.path, "", "detections of a person",
                    frames_.empty() ? "no frames" : fmt::format("nobody in any of {} frames", frames_.size()),
-                   fmt::format("leave camera {} out, or run the detector on it again", camera_.name)});
+                   fmt::format("leave out camera {}, or run the detector on it again", camera_.name)});
   }
   std::int64_t step = 0;
   std::optional<std::int64_t> previous;
@@ -130,7 +130,7 @@ DetectedCamera CameraBuilder::Finish(bool fill_gaps) {
     if (previous) step = std::gcd(step, number - *previous);
     previous = number;
   }
-  // Numbers that are names rather than counters (COCO's image ids) leave gaps that mean nothing.
+  // Where numbers are names rather than counters (COCO's image ids), gaps have no meaning.
   const std::int64_t last = frames_.rbegin()->first;
   const bool is_counter = step > 0 && (last - frames_.begin()->first) / step < 20 * std::ssize(frames_) + 1000;
   if (fill_gaps && is_counter) {
@@ -145,7 +145,7 @@ DetectedCamera CameraBuilder::Finish(bool fill_gaps) {
 }
 
 std::optional<std::int64_t> LastNumber(std::string_view file_name) {
-  // Only a suffix that is not a number itself is an extension: "cam01.0012" has none.
+  // A suffix that is a number is not an extension: "cam01.0012" has none.
   const std::size_t dot = file_name.rfind('.');
   if (dot != std::string_view::npos && dot > 0 &&
       std::any_of(file_name.begin() + static_cast<std::ptrdiff_t>(dot) + 1, file_name.end(),
@@ -154,7 +154,7 @@ std::optional<std::int64_t> LastNumber(std::string_view file_name) {
   }
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   std::size_t end = file_name.size();
-  // The "2d" and the like of "_keypoints_2d" is no frame number.
+  // The "2" in suffixes such as "_keypoints_2d" is not a frame number.
   if (file_name.ends_with("_2d")) end -= 3;
   while (end > 0 && !is_digit(file_name[end - 1])) --end;
   if (end == 0) return std::nullopt;

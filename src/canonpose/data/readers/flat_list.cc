@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A track id: a number, or as some trackers write it, a number in an array.
+/// A track id: a number, or, as some trackers write it, a number in an array.
 std::optional<std::int64_t> TrackId(const JsonValue& entry) {
   for (const char* key : {"idx", "track_id"}) {
     std::optional<JsonValue> value = entry.Find(key);
@@ -35,7 +35,7 @@ bool IsCalibration(const fs::path& file) {
 
 std::vector<CameraInput> CamerasInFolder(const fs::path& folder, IsFrameFile is_frame_file) {
   std::vector<fs::path> files = JsonFilesIn(folder);
-  // The first frame decides for a folder of frames, before each of what may be thousands of files is looked at.
+  // If the first file is a frame, so are the others, of which there may be thousands.
   if (!files.empty() && is_frame_file(files.front())) return {{CameraNameOf(folder), folder}};
   std::erase_if(files, IsCalibration);
   if (!files.empty() && is_frame_file(files.front())) return {{CameraNameOf(folder), folder}};
@@ -92,7 +92,7 @@ std::vector<CameraInput> FindFileCameras(const fs::path& path, IsFrameFile is_fr
   if (!cameras.empty()) return cameras;
   for (const fs::path& folder : FoldersIn(path)) {
     std::vector<CameraInput> inside = CamerasInFolder(folder, is_frame_file);
-    // A camera's output folder may hold its frames in a folder of their own (sep-json).
+    // A camera's output folder may contain its frames in a sub-folder (sep-json).
     const std::vector<fs::path> inner = inside.empty() ? FoldersIn(folder) : std::vector<fs::path>();
     if (inner.size() == 1) inside = CamerasInFolder(inner.front(), is_frame_file);
     if (inside.size() > 1) {

@@ -5,10 +5,10 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/names.h"
+#include "canonpose/data/codecs/json.h"
 #include "canonpose/data/readers/alphapose.h"
 #include "canonpose/data/readers/benchmarks/benchmark.h"
 #include "canonpose/data/readers/coco.h"
-#include "canonpose/data/readers/json.h"
 #include "canonpose/data/readers/mmpose.h"
 #include "canonpose/data/readers/openpose.h"
 
@@ -25,7 +25,7 @@ std::string GuessList(const JsonValue& list) {
   return first["image_id"].json().is_string() ? "alphapose" : "coco";
 }
 
-/// How many files of a folder are looked at; others' files, such as a calibration, may come before the detections.
+/// How many files of a folder are examined; other files, such as a calibration, may come before the detections.
 constexpr std::size_t kFilesToTry = 10;
 
 std::string GuessFolder(const fs::path& folder) {
@@ -38,7 +38,7 @@ std::string GuessFolder(const fs::path& folder) {
   return "";
 }
 
-/// Camera folders may lie in the path, and a folder of frames in each of those.
+/// The path may contain camera folders, and each of these a folder of frames.
 std::string GuessPath(const fs::path& path, int levels_below) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return GuessFormat(JsonValue::Load(path));
@@ -65,7 +65,7 @@ const DetectionFormat& FindDetectionFormat(std::string_view name) {
   for (const DetectionFormat& format : DetectionFormats()) {
     if (SameName(format.name, name)) return format;
   }
-  ThrowInvalidArgument("there is no format \"{}\"; the formats are {}, and import reads the benchmarks {}", name,
+  ThrowInvalidArgument("there is no format \"{}\"; the formats are {}, and the benchmarks are {}", name,
                        DetectionFormatNames(), BenchmarkFormatNames());
 }
 

@@ -1,4 +1,4 @@
-// The table of detector formats, and which of them a path is.
+// The table of detector formats, and recognising the format of a path.
 #pragma once
 
 #include <filesystem>
@@ -20,17 +20,17 @@ struct DetectionFormat {
 
 const std::vector<DetectionFormat>& DetectionFormats();
 
-/// By name, ignoring case. Throws Error(kInvalidArgument) naming all where there is none.
+/// A format by name, ignoring case. Throws Error(kInvalidArgument) that lists the formats if there is none.
 const DetectionFormat& FindDetectionFormat(std::string_view name);
 
 /// "openpose, alphapose, ..."
 std::string DetectionFormatNames();
 
-/// The format of a file or folder from its content: for a folder from its first JSON file, or that of its first
-/// sub-folder with one. Throws Error(kBadInput) where it cannot be told.
+/// The format of a file or folder, recognised by its content; for a folder by its first JSON file, or that of its first
+/// sub-folder with one. Throws Error(kBadInput) where it is not recognised.
 std::string DetectFormat(const std::filesystem::path& path);
 
-/// The format that parsed content looks like; empty where it is none of them.
+/// The format that parsed content looks like; empty if none.
 std::string GuessFormat(const JsonValue& root);
 
 }  // namespace canonpose

@@ -7,15 +7,15 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/progress.h"
+#include "canonpose/data/codecs/json.h"
 #include "canonpose/data/readers/flat_list.h"
-#include "canonpose/data/readers/json.h"
 
 namespace canonpose {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The list that matters: the file itself, or instance_info of {meta_info, instance_info}.
+/// The list of frames or people: the file itself, or instance_info of {meta_info, instance_info}.
 JsonValue InstanceList(const JsonValue& root) {
   if (root.json().is_array()) return root;
   if (!root.Has("instance_info")) root.Fail("a list, or an object with instance_info", AdviseFormat(root));
@@ -24,7 +24,7 @@ JsonValue InstanceList(const JsonValue& root) {
   return list;
 }
 
-/// Whether a list holds the people of one image rather than the frames of a video. An empty one is an image without
+/// Whether a list contains the people of one image rather than the frames of a video. An empty list is an image without
 /// people.
 bool IsImage(const JsonValue& list) {
   return list.ArraySize() == 0 || (list.At(0).Has("keypoints") && !list.At(0).Has("image_id"));
@@ -45,7 +45,7 @@ std::vector<double> TriplesOf(const JsonValue& instance) {
   const std::size_t count = keypoints.ArraySize();
   const std::vector<double> confidence = scores.Numbers();
   if (confidence.size() != count) {
-    scores.Fail(fmt::format("{} values, one a keypoint", count), "", fmt::format("{} values", confidence.size()));
+    scores.Fail(fmt::format("{} values, one per keypoint", count), "", fmt::format("{} values", confidence.size()));
   }
   if (count == 0) keypoints.Fail("keypoints");
   std::vector<double> triples;
@@ -89,7 +89,7 @@ void ReadMmposeFile(const fs::path& path, CameraBuilder& builder) {
     if (!entry.Has("frame_id") || !entry.Has("instances")) {
       entry.Fail("an object with frame_id and instances", AdviseFormat(root));
     }
-    // The place is the frame's name, so that two entries of one number are noticed.
+    // The place serves as the frame's name, so that two entries with one number are noticed.
     DetectedFrame& frame = builder.Frame(entry["frame_id"].Integer(), entry.place(), entry.file(), entry.place());
     ReadPeople(entry["instances"], frame, builder);
   }

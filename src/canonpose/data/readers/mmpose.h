@@ -8,8 +8,8 @@
 
 namespace canonpose {
 
-/// The cameras of a path: a video's file, a folder with one such file a camera, a folder of images' files, or a folder
-/// of folders that hold one of these each. Throws Error(kBadInput).
+/// The cameras of a path: the file of a video, a folder with one such file per camera, a folder with one file per
+/// image, or a folder of folders that contain one of these each. Throws Error(kBadInput).
 std::vector<CameraInput> FindMmposeCameras(const std::filesystem::path& path);
 
 /// Reads one camera. Throws Error(kBadInput).

@@ -7,8 +7,8 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/progress.h"
+#include "canonpose/data/codecs/json.h"
 #include "canonpose/data/readers/flat_list.h"
-#include "canonpose/data/readers/json.h"
 
 namespace canonpose {
 namespace {
@@ -23,7 +23,7 @@ bool IsEmptyFolder(const fs::path& folder) {
   return fs::is_empty(folder, error) && !error;
 }
 
-/// Whether a file is one frame, and not a calibration or the like.
+/// Whether a file is one frame and not, for instance, a calibration.
 bool IsFrameFile(const fs::path& file) {
   if (!LastNumber(file.filename().string()) || FirstCharacter(file) != '{') return false;
   return JsonValue::Load(file).Has("people");
@@ -31,7 +31,7 @@ bool IsFrameFile(const fs::path& file) {
 
 bool HasFrames(const std::vector<fs::path>& files) { return std::any_of(files.begin(), files.end(), IsFrameFile); }
 
-/// The first folder below that holds frames; empty where there is none.
+/// The first folder below that contains frames; empty if there is none.
 fs::path FolderOfFramesBelow(const fs::path& folder, int levels) {
   for (const fs::path& inner : FoldersIn(folder)) {
     if (HasFrames(JsonFilesIn(inner))) return inner;
@@ -41,23 +41,24 @@ fs::path FolderOfFramesBelow(const fs::path& folder, int levels) {
   return {};
 }
 
-/// Refuses a folder beside those of cameras that holds no frames itself but would be missed.
+/// Throws where a folder beside those of cameras is empty or has frames only in its sub-folders, since it would be
+/// ignored.
 void RefuseLeftOut(const fs::path& folder) {
   if (IsEmptyFolder(folder)) {
-    ThrowBadInput({folder.string(), "", "one JSON file a frame", "an empty folder",
+    ThrowBadInput({folder.string(), "", "one JSON file per frame", "an empty folder",
                    "remove it, or run the detector on that camera again"});
   }
   constexpr int kLevels = 3;
   if (const fs::path below = FolderOfFramesBelow(folder, kLevels); !below.empty()) {
-    ThrowBadInput({folder.string(), "", "one JSON file a frame, as the folders beside it have",
-                   "frames only deeper down, in " + below.string(),
+    ThrowBadInput({folder.string(), "", "one JSON file per frame, as in the folders beside it",
+                   "frames only below it, in " + below.string(),
                    fmt::format("move them up, or add `camera` {}={}", folder.filename().string(), below.string())});
   }
 }
 
-/// The body keypoints of one entry of `people`; an empty array where the run had the body switched off.
+/// The body keypoints of one entry of `people`; an empty array if the detector ran with the body switched off.
 std::vector<double> BodyTriples(const JsonValue& person) {
-  // Releases before 1.2 wrote the shorter name.
+  // Versions before 1.2 wrote the shorter name.
   const std::optional<JsonValue> old_name = person.Find("pose_keypoints");
   const JsonValue value = old_name && !person.Has("pose_keypoints_2d") ? *old_name : person["pose_keypoints_2d"];
   std::vector<double> triples = value.Numbers();
@@ -95,7 +96,7 @@ void ReadFrame(const fs::path& path, CameraBuilder& builder) {
 std::vector<CameraInput> FindOpenPoseCameras(const fs::path& path) {
   std::error_code error;
   if (fs::is_regular_file(path, error)) {
-    ThrowBadInput({path.string(), "", "a folder with one JSON file a frame", "a file", kFolderAdvice});
+    ThrowBadInput({path.string(), "", "a folder with one JSON file per frame", "a file", kFolderAdvice});
   }
   const std::vector<fs::path> files = JsonFilesIn(path);  // throws where there is no such folder
   std::vector<CameraInput> cameras;
@@ -109,7 +110,7 @@ std::vector<CameraInput> FindOpenPoseCameras(const fs::path& path) {
   }
   if (!cameras.empty()) {
     if (HasFrames(files)) {
-      ThrowBadInput({path.string(), "", "frames, or a sub-folder of those for each camera",
+      ThrowBadInput({path.string(), "", "frames, or a sub-folder of frames for each camera",
                      fmt::format("both: frames, and sub-folder {} with JSON files", cameras.front().name),
                      "move one of them elsewhere, or name each camera's folder with `camera` NAME=PATH"});
     }
@@ -117,7 +118,7 @@ std::vector<CameraInput> FindOpenPoseCameras(const fs::path& path) {
     return cameras;
   }
   if (files.empty()) {
-    ThrowBadInput({path.string(), "", "one JSON file a frame, or a sub-folder of those for each camera",
+    ThrowBadInput({path.string(), "", "one JSON file per frame, or a sub-folder of these for each camera",
                    IsEmptyFolder(path) ? "an empty folder" : "no JSON file", kFolderAdvice});
   }
   return {{CameraNameOf(path), path}};
@@ -126,7 +127,7 @@ std::vector<CameraInput> FindOpenPoseCameras(const fs::path& path) {
 DetectedCamera ReadOpenPose(const CameraInput& input) {
   const std::vector<fs::path> files = JsonFilesIn(input.path);
   if (files.empty()) {
-    ThrowBadInput({input.path.string(), "", "one JSON file a frame", "no JSON file", kFolderAdvice});
+    ThrowBadInput({input.path.string(), "", "one JSON file per frame", "no JSON file", kFolderAdvice});
   }
   CameraBuilder builder(input);
   Progress progress("reading " + input.name, std::ssize(files));
@@ -135,7 +136,7 @@ DetectedCamera ReadOpenPose(const CameraInput& input) {
     ReadFrame(file, builder);
     progress.Update(++done, "");
   }
-  // An image without people has a file of its own, so a gap in the numbers is a lost file and not for us to fill.
+  // Images without people have files too, so a gap in the numbers is a lost file and is not filled.
   return builder.Finish(false);
 }
 

@@ -1,4 +1,4 @@
-// OpenPose's JSON: a folder a camera, a file a frame (--write_json).
+// OpenPose's JSON: one folder per camera, one file per frame (its option write_json).
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace canonpose {
 
-/// The cameras of a path: the folder itself where it holds frames, or its sub-folders where those do; JSON files beside
-/// sub-folders, such as a calibration, are then not looked at. Throws Error(kBadInput) for an empty folder or a file.
+/// The cameras of a path: the folder itself if it contains frames, or its sub-folders if those do; JSON files beside
+/// sub-folders, such as a calibration, are then ignored. Throws Error(kBadInput) for an empty folder or a file.
 std::vector<CameraInput> FindOpenPoseCameras(const std::filesystem::path& path);
 
 /// Reads one camera's folder. Throws Error(kBadInput).

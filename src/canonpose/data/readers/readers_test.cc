@@ -87,7 +87,7 @@ struct Sample {
 
 class Samples : public ::testing::TestWithParam<Sample> {};
 
-TEST_P(Samples, HoldTheSameClip) {
+TEST_P(Samples, ContainTheSameClip) {
   const Sample& sample = GetParam();
   const fs::path path = TestData("detections") / sample.folder;
   EXPECT_EQ(DetectFormat(path), sample.format);
@@ -133,7 +133,7 @@ TEST(Formats, FormsOfOneDetectorAgree) {
   ExpectSame(ReadAll("mmpose", all / "mmpose_video"), ReadAll("coco", all / "coco"));
 }
 
-TEST(Formats, CamerasTakeTheNameOfWhatTellsThemApart) {
+TEST(Formats, CamerasAreNamedByTheFileOrFolderThatDiffers) {
   const fs::path all = TestData("detections");
   const std::vector<CameraInput> files = FindDetectionFormat("alphapose").find_cameras(all / "alphapose");
   EXPECT_EQ(files[0].name, "left");
@@ -181,7 +181,7 @@ TEST(LastNumber, IsTheFrameNumber) {
   EXPECT_GT(LastNumber("99999999999999999999999999999.jpg").value_or(0), 0);
 }
 
-TEST(OpenPose, FramesComeByNumberAndNotByName) {
+TEST(OpenPose, FramesAreSortedByNumberAndNotByName) {
   const TemporaryFolder folder;
   for (const int number : {10, 9, 2}) {
     WriteFileAtomically(folder / fmt::format("frame_{}.json", number),
@@ -190,7 +190,7 @@ TEST(OpenPose, FramesComeByNumberAndNotByName) {
   const std::vector<DetectedCamera> cameras = ReadAll("openpose", folder.path());
   std::vector<float> x;
   for (const DetectedFrame& frame : cameras[0].frames) x.push_back(frame.people[0].keypoints[0]);
-  // A lost file is no frame without people: no gap is filled.
+  // A missing file is a lost frame, not one without people: gaps are not filled.
   EXPECT_THAT(x, ElementsAre(2.0F, 9.0F, 10.0F));
 }
 
@@ -200,7 +200,7 @@ TEST(OpenPose, FramesOfTwoCamerasInOneFolderAreRefused) {
   WriteFileAtomically(folder / "cam2_0001.json", OpenPoseFrame("1,2,0.5"));
   EXPECT_THAT(
       ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("openpose", folder.path()); }),
-      AllOf(HasSubstr("cam1_0001.json and cam2_0001.json, both frame 1"), HasSubstr("one folder or file a camera")));
+      AllOf(HasSubstr("cam1_0001.json and cam2_0001.json, both frame 1"), HasSubstr("one folder or file per camera")));
 }
 
 TEST(OpenPose, BadContentNamesFileAndPlace) {
@@ -244,7 +244,7 @@ TEST(OpenPose, FoldersAreChecked) {
   WriteFileAtomically(folder.path() / "cam2" / "notes.txt", "");
   EXPECT_EQ(FindDetectionFormat("openpose").find_cameras(folder.path()).size(), 1U);
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("openpose", folder / "calibration.json"); }),
-              HasSubstr("expected a folder with one JSON file a frame, found a file"));
+              HasSubstr("expected a folder with one JSON file per frame, found a file"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("openpose", folder / "none"); }), HasSubstr("No such file"));
 }
 
@@ -260,7 +260,7 @@ TEST(OpenPose, FramesBesideFoldersOfFramesAreRefused) {
   EXPECT_EQ(FindDetectionFormat("openpose").find_cameras(folder.path()).size(), 1U);
 }
 
-TEST(OpenPose, ACameraWithItsFramesDeeperDownIsNotLeftOut) {
+TEST(OpenPose, ACameraWithItsFramesInASubfolderIsNotLeftOut) {
   const TemporaryFolder folder;
   MakeDirectory(folder / "cam1");
   WriteFileAtomically(folder.path() / "cam1" / "1.json", OpenPoseFrame("1,2,0.5"));
@@ -269,7 +269,7 @@ TEST(OpenPose, ACameraWithItsFramesDeeperDownIsNotLeftOut) {
   EXPECT_EQ(find().size(), 1U);
   WriteFileAtomically(folder / "cam2/run/json/1.json", OpenPoseFrame("1,2,0.5"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, find),
-              AllOf(HasSubstr("cam2: expected one JSON file a frame"), HasSubstr("frames only deeper down"),
+              AllOf(HasSubstr("cam2: expected one JSON file per frame"), HasSubstr("frames only below it"),
                     HasSubstr("`camera` cam2=")));
 }
 
@@ -297,7 +297,7 @@ TEST(FlatList, GapsAreFramesWithoutPeople) {
   std::vector<std::int64_t> numbers;
   for (const DetectedFrame& frame : camera.frames) numbers.push_back(frame.number);
   EXPECT_THAT(numbers, ElementsAre(10, 15, 20, 25, 30));
-  // Ids that are names are no clock.
+  // Ids that are names do not count frames.
   WriteFileAtomically(folder / "b.json", fmt::format("[{},{},{}]", entry(139), entry(1000000), entry(581781)));
   EXPECT_EQ(ReadAll("coco", folder / "b.json").front().frames.size(), 3U);
 }

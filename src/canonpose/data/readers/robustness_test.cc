@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using testing::TemporaryFolder;
 using testing::TestData;
 
-/// A file of a sample and the reader it is for; OpenPose's is put into a folder of its own.
+/// A sample file and the reader it is for; OpenPose's is put into its own folder.
 struct Victim {
   const char* format;
   const char* file;
@@ -67,7 +67,7 @@ TEST(DamagedFiles, CutAnywhere) {
   }
 }
 
-TEST(DamagedFiles, ValuesExchanged) {
+TEST(DamagedFiles, ValuesReplaced) {
   static constexpr std::array<const char*, 14> kReplacements{"null",
                                                              "NaN",
                                                              "-Infinity",
@@ -96,7 +96,7 @@ TEST(DamagedFiles, ValuesExchanged) {
   }
 }
 
-TEST(DamagedFiles, BytesExchanged) {
+TEST(DamagedFiles, BytesReplaced) {
   Rng rng(22);
   for (const Victim& victim : kVictims) {
     const std::string original = ReadFile(TestData("detections") / victim.file);

@@ -16,7 +16,8 @@ void PerformGesture(Stage& stage);
 void PerformDance(Stage& stage);
 void PerformSki(Stage& stage);
 
-/// One arm gesture or one of both arms, about `seconds` long; also used by people who sit or walk. Returns its end.
+/// A gesture of one or both arms, about `seconds` long; also used for people who sit or walk. Returns the time of its
+/// end.
 double MakeGesture(Stage& stage, double start, double seconds);
 
 }  // namespace canonpose

@@ -9,9 +9,10 @@ using Eigen::Vector3d;
 
 struct Entry {
   ArmPose pose;
-  double wrist[3];  // from the shoulder, of the left arm, in arm lengths; of the stature for poses at the body
+  double wrist[3];  // of the left arm, from the shoulder, in arm lengths; as fractions of the stature for poses at the
+                    // body
   double elbow[3];  // where the elbow points
-  bool of_stature;  // the hand is at a place of the body, whatever the arm's length
+  bool of_stature;  // the hand is at a point of the body, whatever the arm's length
 };
 
 constexpr std::array<Entry, 20> kEntries = {{
@@ -41,8 +42,8 @@ constexpr std::array<Entry, 20> kEntries = {{
 
 ArmAngles HangingArm(Stage& stage) {
   const Style& style = stage.style();
-  return {Deg(stage.Uniform(-6.0, 12.0)), style.arm_carry * stage.Uniform(0.7, 1.4), Deg(stage.Uniform(0.0, 40.0)),
-          style.elbow_carry * stage.Uniform(0.5, 1.4)};
+  return {RadFromDeg(stage.Uniform(-6.0, 12.0)), style.arm_carry * stage.Uniform(0.7, 1.4),
+          RadFromDeg(stage.Uniform(0.0, 40.0)), style.elbow_carry * stage.Uniform(0.5, 1.4)};
 }
 
 ArmAngles AnglesOf(Stage& stage, ArmPose pose) {
@@ -61,13 +62,13 @@ ArmAngles AnglesOf(Stage& stage, ArmPose pose) {
 
 ArmAngles RandomArm(Stage& stage) {
   ArmAngles angles{};
-  // Directions spread over the sphere rather than over the angles: few straight up or down.
+  // Directions are distributed over the sphere rather than over the angles, so few are straight up or down.
   const double raised = std::acos(stage.Uniform(-0.97, 0.98));
-  const double plane = Deg(stage.Uniform(-42.0, 128.0));
+  const double plane = RadFromDeg(stage.Uniform(-42.0, 128.0));
   angles.flex = raised * std::cos(plane);
   angles.abd = raised * std::sin(plane);
-  angles.twist = Deg(stage.Uniform(-75.0, 80.0));
-  angles.elbow = stage.Chance(0.25) ? Deg(stage.Uniform(4.0, 35.0)) : Deg(stage.Uniform(30.0, 138.0));
+  angles.twist = RadFromDeg(stage.Uniform(-75.0, 80.0));
+  angles.elbow = stage.Chance(0.25) ? RadFromDeg(stage.Uniform(4.0, 35.0)) : RadFromDeg(stage.Uniform(30.0, 138.0));
   return angles;
 }
 

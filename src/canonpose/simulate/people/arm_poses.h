@@ -1,4 +1,4 @@
-// Arm postures that people take: where the hand is and where the elbow points.
+// Common postures of the arm: where the hand is and where the elbow points.
 #pragma once
 
 #include "canonpose/simulate/people/pose_solver.h"
@@ -31,13 +31,13 @@ enum class ArmPose {
   kCount
 };
 
-/// The angles of a pose for a body, with a little freedom.
+/// The angles of a pose for a body, with a little random variation.
 ArmAngles AnglesOf(Stage& stage, ArmPose pose);
-/// Angles anywhere in the range of the joints; hands behind the trunk are rare.
+/// Random angles in the whole range of the joints; hands behind the trunk are rare.
 ArmAngles RandomArm(Stage& stage);
 /// Moves an arm.
 void MoveArm(Stage& stage, int side, double start, double duration, const ArmAngles& angles);
-/// Back to how StandNaturally() has it.
+/// Moves an arm back to its position in StandNaturally().
 ArmAngles HangingArm(Stage& stage);
 
 }  // namespace canonpose

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint64_t kBodyStream = 0xb0d7;
 
-// A factor around 1 that never strays beyond 2.5 standard deviations.
+// A factor around 1, limited to 2.5 standard deviations.
 double Factor(Rng& rng, double deviation) { return 1.0 + deviation * std::clamp(rng.Normal(), -2.5, 2.5); }
 
 struct Build {
@@ -53,7 +53,7 @@ void AddTrunkAndHead(const Body& body, double head_factor, Rng& rng, TreeBuilder
   tree.Add(kBLumbar, "Lumbar", kBHip, {-0.008 * h, 0, lumbar});
   tree.Add(kBSpine, "Spine", kBLumbar, {0, 0, spine - lumbar});
   tree.Add(kBThorax, "Thorax", kBSpine, {0.004 * h, 0, body.trunk - spine});
-  // The neck leans forward; eyes, ears and nose lie around the middle of the head.
+  // The neck leans forward; eyes, ears and nose are around the middle of the head.
   const double neck = 0.020 * h * Factor(rng, 0.08);
   const double upper = 0.034 * h * Factor(rng, 0.12);
   const double skull = h * head_factor;
@@ -77,7 +77,7 @@ void AddArm(const Body& body, int side, TreeBuilder& tree) {
   const std::string prefix = side == kLeft ? "L" : "R";
   const double half = body.shoulder_width / 2;
   const double inner = 0.014 * h;
-  // The collar bone turns in front of the spine, a little below the shoulders' height.
+  // The collar bone rotates about a point in front of the spine, slightly below the shoulders.
   const Eigen::Vector3d clavicle(0.030 * h, sign * inner, -0.006 * h);
   const int first = ArmJoint(kBLClavicle, side);
   tree.Add(first, prefix + "Clavicle", kBThorax, clavicle);
@@ -108,8 +108,8 @@ double Body::standing_hip_height() const {
   return std::min(leg(kLeft) + ankle_height[kLeft], leg(kRight) + ankle_height[kRight]);
 }
 
-// Shares of the stature after Drillis and Contini (1966), as in Winter, "Biomechanics and Motor Control"; joint centres
-// of hips and shoulders lie inside the bony landmarks' widths.
+// Fractions of the stature from Drillis and Contini (1966), as in Winter, "Biomechanics and Motor Control"; joint
+// centres of hips and shoulders are inside the widths of the bony landmarks.
 Body MakeBody(std::uint64_t subject_seed) {
   Rng rng(subject_seed, {kBodyStream});
   const Build build = MakeBuild(rng);
@@ -135,7 +135,7 @@ Body MakeBody(std::uint64_t subject_seed) {
   }
   body.hip_width = build.hip_share * h * Factor(rng, 0.07);
   body.shoulder_width = build.shoulder_share * h * Factor(rng, 0.05);
-  // Longer legs come with a shorter trunk at the same stature, in part.
+  // At the same stature, longer legs come with a somewhat shorter trunk.
   body.trunk = (0.288 - 0.491 * (leg_factor - 1.0) * 0.7) * h * Factor(rng, 0.015);
   TreeBuilder tree(body.joints);
   AddTrunkAndHead(body, build.head_factor, rng, tree);

@@ -1,7 +1,7 @@
-// A person's build: the lengths of the segments and the tree of joints that carries them.
+// A person's build: the lengths of the segments and the tree of joints.
 //
-// The body's frame, also every joint's in the rest pose: x forward, y left, z up. At rest the body stands upright with
-// hanging arms.
+// The frame of the body, and of every joint in the rest pose: x forward, y left, z up. In the rest pose the body stands
+// upright with hanging arms.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "canonpose/simulate/motion.h"
+#include "canonpose/motion/articulated_motion.h"
 
 namespace canonpose {
 
@@ -19,8 +19,8 @@ enum Side : int { kLeft = 0, kRight = 1 };
 /// +1 to the left, -1 to the right.
 inline double SideSign(int side) { return side == kLeft ? 1.0 : -1.0; }
 
-/// Joints of the procedural body, in the tree's order. Those without a landmark are articulations only. (Prefix kB:
-/// landmarks have the short names.)
+/// Joints of the procedural body, in the tree's order. Those without a landmark are articulations only. (The prefix is
+/// kB, since landmarks have the short names.)
 enum BodyJoint : int {
   kBHip,
   kBLumbar,
@@ -59,7 +59,7 @@ enum BodyJoint : int {
   kBodyJointCount
 };
 
-/// The same joint of the other side's limb: kBLClavicle and kBLHip begin the left limbs.
+/// The same joint of the limb on the other side. The left limbs begin with kBLClavicle and kBLHip.
 inline int ArmJoint(int left_joint, int side) { return left_joint + (kBRClavicle - kBLClavicle) * side; }
 inline int LegJoint(int left_joint, int side) { return left_joint + (kBRHip - kBLHip) * side; }
 
@@ -71,22 +71,22 @@ struct Body {
   std::array<double, 2> upper_arm{};
   std::array<double, 2> forearm{};
   std::array<double, 2> ankle_height{};  ///< of the ankle above the sole
-  std::array<double, 2> ball{};          ///< of the foot, ahead of the ankle; where the toes bend
+  std::array<double, 2> ball{};          ///< of the foot, in front of the ankle; where the toes bend
   std::array<double, 2> heel{};          ///< behind the ankle
   double hip_width = 0.0;                ///< between the hips' centres
   double shoulder_width = 0.0;           ///< between the shoulders' centres
-  double trunk = 0.0;                    ///< from the mid of the hips to the mid of the shoulders
+  double trunk = 0.0;                    ///< from the middle of the hips to the middle of the shoulders
   std::vector<MotionJoint> joints;       ///< (kBodyJointCount)
 
   [[nodiscard]] double leg(int side) const { return thigh[Index(side)] + shank[Index(side)]; }
   [[nodiscard]] double arm(int side) const { return upper_arm[Index(side)] + forearm[Index(side)]; }
-  /// Height of the hips over the ground when standing straight, of the shorter leg.
+  /// Height of the hips above the ground when standing straight, for the shorter leg.
   [[nodiscard]] double standing_hip_height() const;
   static std::size_t Index(int side) { return static_cast<std::size_t>(side); }
 };
 
-/// A random person: women and men (and one child in ten) with the spread of stature and proportions of adults, and the
-/// sides of the body different by about one percent.
+/// A random person: a woman or a man (or, one in ten, a child), with stature and proportions distributed as in the
+/// population, and with about one percent difference between the sides of the body.
 Body MakeBody(std::uint64_t subject_seed);
 
 }  // namespace canonpose

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canonpose/simulate/landmarks.h"
+#include "canonpose/motion/landmarks.h"
 
 namespace canonpose {
 namespace {

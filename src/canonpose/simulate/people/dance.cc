@@ -16,7 +16,7 @@ void TrunkTo(Stage& stage, double start, double duration, double pitch, double f
   stage.MoveTo(kTrunkTwist, start, duration, twist);
 }
 
-// Upper body: arms and trunk take new places beat after beat.
+// Upper body: arms and trunk move to new positions beat after beat.
 void DanceAbove(Stage& stage, double from, double to) {
   double t = from;
   while (t < to) {
@@ -32,15 +32,15 @@ void DanceAbove(Stage& stage, double from, double to) {
       } else if (chance < 0.85) {
         MoveArm(stage, side, t, beat, AnglesOf(stage, pose));
       } else {
-        stage.Swing(Of(kShoulderFlex, side), t, 2.0 * beat, stage.Uniform(0.6, 1.4), Deg(30.0), SideSign(side));
-        stage.Swing(Of(kElbow, side), t, 2.0 * beat, stage.Uniform(0.6, 1.4), Deg(20.0), 0.5);
+        stage.Swing(Of(kShoulderFlex, side), t, 2.0 * beat, stage.Uniform(0.6, 1.4), RadFromDeg(30.0), SideSign(side));
+        stage.Swing(Of(kElbow, side), t, 2.0 * beat, stage.Uniform(0.6, 1.4), RadFromDeg(20.0), 0.5);
       }
-      stage.MoveTo(Of(kShrug, side), t, beat, Deg(stage.Uniform(-5.0, 12.0)));
+      stage.MoveTo(Of(kShrug, side), t, beat, RadFromDeg(stage.Uniform(-5.0, 12.0)));
     }
     if (stage.Chance(0.6)) {
-      stage.MoveTo(kNeckFlex, t, beat, Deg(stage.Uniform(-32.0, 35.0)));
-      stage.MoveTo(kNeckTwist, t, beat, Deg(stage.Uniform(-55.0, 55.0)));
-      stage.MoveTo(kNeckSide, t, beat, Deg(stage.Uniform(-24.0, 24.0)));
+      stage.MoveTo(kNeckFlex, t, beat, RadFromDeg(stage.Uniform(-32.0, 35.0)));
+      stage.MoveTo(kNeckTwist, t, beat, RadFromDeg(stage.Uniform(-55.0, 55.0)));
+      stage.MoveTo(kNeckSide, t, beat, RadFromDeg(stage.Uniform(-24.0, 24.0)));
     }
     t += beat * stage.Uniform(0.85, 1.5);
   }
@@ -53,18 +53,18 @@ double BendTrunk(Stage& stage, double t) {
   if (chance < 0.35) {
     // Deep forward.
     stage.MoveTo(kSurge, t, beat, -stage.Tall(0.05));
-    TrunkTo(stage, t, beat, e * Deg(stage.Uniform(15.0, 65.0)), e * Deg(stage.Uniform(10.0, 55.0)),
-            Deg(stage.Uniform(-15.0, 15.0)), Deg(stage.Uniform(-30.0, 30.0)));
+    TrunkTo(stage, t, beat, e * RadFromDeg(stage.Uniform(15.0, 65.0)), e * RadFromDeg(stage.Uniform(10.0, 55.0)),
+            RadFromDeg(stage.Uniform(-15.0, 15.0)), RadFromDeg(stage.Uniform(-30.0, 30.0)));
   } else if (chance < 0.50) {
     // Back.
     stage.MoveTo(kSurge, t, beat, stage.Tall(0.03));
-    TrunkTo(stage, t, beat, Deg(stage.Uniform(-28.0, 0.0)), -Deg(stage.Uniform(10.0, 42.0)),
-            Deg(stage.Uniform(-12.0, 12.0)), Deg(stage.Uniform(-18.0, 18.0)));
+    TrunkTo(stage, t, beat, RadFromDeg(stage.Uniform(-28.0, 0.0)), -RadFromDeg(stage.Uniform(10.0, 42.0)),
+            RadFromDeg(stage.Uniform(-12.0, 12.0)), RadFromDeg(stage.Uniform(-18.0, 18.0)));
   } else {
-    const double side = Deg(stage.Uniform(-36.0, 36.0));
-    TrunkTo(stage, t, beat, Deg(stage.Uniform(-8.0, 18.0)), Deg(stage.Uniform(-15.0, 28.0)), side,
-            Deg(stage.Uniform(-42.0, 42.0)));
-    stage.MoveTo(kPelvisRoll, t, beat, Deg(stage.Uniform(-10.0, 10.0)));
+    const double side = RadFromDeg(stage.Uniform(-36.0, 36.0));
+    TrunkTo(stage, t, beat, RadFromDeg(stage.Uniform(-8.0, 18.0)), RadFromDeg(stage.Uniform(-15.0, 28.0)), side,
+            RadFromDeg(stage.Uniform(-42.0, 42.0)));
+    stage.MoveTo(kPelvisRoll, t, beat, RadFromDeg(stage.Uniform(-10.0, 10.0)));
   }
   if (stage.Chance(0.5)) stage.MoveTo(kPelvisZ, t, beat, -stage.Tall(stage.Uniform(0.01, 0.14)));
   return t + beat * stage.Uniform(0.9, 1.4);
@@ -84,38 +84,41 @@ LegPose RandomLeg(Stage& stage) {
   const double chance = stage.Uniform(0.0, 1.0);
   if (chance < 0.30) {
     // Kick or straight leg to the front.
-    return {Deg(stage.Uniform(30.0, 100.0)), Deg(stage.Uniform(-5.0, 25.0)), Deg(stage.Uniform(3.0, 35.0)),
-            Deg(stage.Uniform(0.0, 45.0)), Deg(stage.Uniform(-5.0, 20.0))};
+    return {RadFromDeg(stage.Uniform(30.0, 100.0)), RadFromDeg(stage.Uniform(-5.0, 25.0)),
+            RadFromDeg(stage.Uniform(3.0, 35.0)), RadFromDeg(stage.Uniform(0.0, 45.0)),
+            RadFromDeg(stage.Uniform(-5.0, 20.0))};
   }
   if (chance < 0.52) {
     // Knee up.
-    return {Deg(stage.Uniform(15.0, 65.0)), Deg(stage.Uniform(-5.0, 22.0)), Deg(stage.Uniform(70.0, 130.0)),
-            Deg(stage.Uniform(0.0, 45.0)), Deg(stage.Uniform(-10.0, 20.0))};
+    return {RadFromDeg(stage.Uniform(15.0, 65.0)), RadFromDeg(stage.Uniform(-5.0, 22.0)),
+            RadFromDeg(stage.Uniform(70.0, 130.0)), RadFromDeg(stage.Uniform(0.0, 45.0)),
+            RadFromDeg(stage.Uniform(-10.0, 20.0))};
   }
   if (chance < 0.72) {
     // To the side.
-    return {Deg(stage.Uniform(-10.0, 30.0)), Deg(stage.Uniform(25.0, 65.0)), Deg(stage.Uniform(3.0, 60.0)),
-            Deg(stage.Uniform(0.0, 45.0)), Deg(stage.Uniform(0.0, 35.0))};
+    return {RadFromDeg(stage.Uniform(-10.0, 30.0)), RadFromDeg(stage.Uniform(25.0, 65.0)),
+            RadFromDeg(stage.Uniform(3.0, 60.0)), RadFromDeg(stage.Uniform(0.0, 45.0)),
+            RadFromDeg(stage.Uniform(0.0, 35.0))};
   }
   if (chance < 0.85) {
-    // Sole at the other knee, as a tree stands.
-    return {Deg(stage.Uniform(30.0, 42.0)), Deg(14.0), Deg(stage.Uniform(105.0, 125.0)), Deg(35.0),
-            Deg(stage.Uniform(35.0, 60.0))};
+    // Sole at the other knee: the tree pose.
+    return {RadFromDeg(stage.Uniform(30.0, 42.0)), RadFromDeg(14.0), RadFromDeg(stage.Uniform(105.0, 125.0)),
+            RadFromDeg(35.0), RadFromDeg(stage.Uniform(35.0, 60.0))};
   }
   // Behind.
-  return {-Deg(stage.Uniform(15.0, 34.0)), Deg(stage.Uniform(0.0, 12.0)), Deg(stage.Uniform(5.0, 95.0)),
-          Deg(stage.Uniform(20.0, 50.0))};
+  return {-RadFromDeg(stage.Uniform(15.0, 34.0)), RadFromDeg(stage.Uniform(0.0, 12.0)),
+          RadFromDeg(stage.Uniform(5.0, 95.0)), RadFromDeg(stage.Uniform(20.0, 50.0))};
 }
 
-// On one leg for a moment, or long enough to move the other.
+// On one leg for a moment, or long enough to move the other leg.
 double BalanceOnOne(Stage& stage, double t) {
   const int side = stage.RandomSide();
   const double up = stage.Beat(stage.Uniform(0.35, 0.8));
   const LegPose pose = RandomLeg(stage);
   LiftLeg(stage, side, t + 0.2, up, pose);
-  if (pose.flex < 0.0 || (pose.abd > Deg(25.0) && stage.Chance(0.5))) {
-    // The trunk tips against the leg.
-    const double tip = Deg(stage.Uniform(15.0, 60.0));
+  if (pose.flex < 0.0 || (pose.abd > RadFromDeg(25.0) && stage.Chance(0.5))) {
+    // The trunk tips in the direction opposite to the leg.
+    const double tip = RadFromDeg(stage.Uniform(15.0, 60.0));
     if (pose.flex < 0.0) {
       stage.MoveTo(kPelvisPitch, t, up, tip);
       stage.MoveTo(kPelvisPitch, t + up + 1.6, 0.8, 0.0);
@@ -144,11 +147,11 @@ double KickSeveral(Stage& stage, double t) {
   const int count = 1 + static_cast<int>(stage.rng().Index(3));
   for (int i = 0; i < count; ++i) {
     const double up = stage.Uniform(0.32, 0.5);
-    LiftLeg(
-        stage, side, t + 0.15, up,
-        {Deg(stage.Uniform(45.0, 105.0)), Deg(stage.Uniform(-8.0, 25.0)), Deg(stage.Uniform(5.0, 25.0)), Deg(40.0)});
-    stage.Bump(Of(kKnee, side), t + 0.1, up, Deg(stage.Uniform(20.0, 60.0)));
-    stage.Bump(kPelvisPitch, t + 0.1, 2.0 * up, -Deg(stage.Uniform(0.0, 18.0)));
+    LiftLeg(stage, side, t + 0.15, up,
+            {RadFromDeg(stage.Uniform(45.0, 105.0)), RadFromDeg(stage.Uniform(-8.0, 25.0)),
+             RadFromDeg(stage.Uniform(5.0, 25.0)), RadFromDeg(40.0)});
+    stage.Bump(Of(kKnee, side), t + 0.1, up, RadFromDeg(stage.Uniform(20.0, 60.0)));
+    stage.Bump(kPelvisPitch, t + 0.1, 2.0 * up, -RadFromDeg(stage.Uniform(0.0, 18.0)));
     LowerLeg(stage, side, t + 0.2 + up, 0.45);
     t += up + 0.95;
     if (stage.Chance(0.7)) side = 1 - side;
@@ -158,11 +161,11 @@ double KickSeveral(Stage& stage, double t) {
 
 double Plies(Stage& stage, double t) {
   const int count = 1 + static_cast<int>(stage.rng().Index(4));
-  const double twist = Deg(stage.Uniform(0.0, 30.0));
+  const double twist = RadFromDeg(stage.Uniform(0.0, 30.0));
   for (int i = 0; i < count; ++i) {
     const double beat = stage.Beat(stage.Uniform(0.5, 1.1));
     stage.Bump(kPelvisZ, t, beat, -stage.Tall(stage.Uniform(0.04, 0.24)));
-    stage.Bump(kPelvisPitch, t, beat, Deg(stage.Uniform(0.0, 25.0)));
+    stage.Bump(kPelvisPitch, t, beat, RadFromDeg(stage.Uniform(0.0, 25.0)));
     stage.Bump(kSway, t, beat, stage.Tall(stage.Uniform(-0.05, 0.05)));
     for (const int side : {kLeft, kRight}) stage.Bump(Of(kLegTwist, side), t, beat, twist);
     t += 0.9 * beat;
@@ -178,9 +181,9 @@ double SwingHips(Stage& stage, double t) {
   const double size = stage.style().energy * stage.Uniform(0.5, 1.2);
   stage.Swing(kSway, t, seconds, hertz, size * stage.Tall(0.035), phase);
   stage.Swing(kSurge, t, seconds, hertz, size * stage.Tall(0.02), phase + kPi / 2);
-  stage.Swing(kPelvisRoll, t, seconds, hertz, size * Deg(8.0), phase + kPi);
-  stage.Swing(kTrunkSide, t, seconds, hertz, size * Deg(9.0), phase);
-  stage.Swing(kTrunkTwist, t, seconds, 0.5 * hertz, size * Deg(18.0), phase);
+  stage.Swing(kPelvisRoll, t, seconds, hertz, size * RadFromDeg(8.0), phase + kPi);
+  stage.Swing(kTrunkSide, t, seconds, hertz, size * RadFromDeg(9.0), phase);
+  stage.Swing(kTrunkTwist, t, seconds, 0.5 * hertz, size * RadFromDeg(18.0), phase);
   stage.MoveTo(kPelvisZ, t, 0.6, -stage.Tall(stage.Uniform(0.01, 0.09)));
   stage.MoveTo(kPelvisZ, t + seconds - 0.5, 0.6, -stage.Tall(0.012));
   return t + seconds;
@@ -191,7 +194,7 @@ double WideStance(Stage& stage, double t) {
   const double apart = stage.Tall(stage.Uniform(0.12, 0.26));
   const double sink = stage.Tall(stage.Uniform(0.08, 0.22));
   for (const int side : {kLeft, kRight}) {
-    const double turn = SideSign(side) * Deg(stage.Uniform(0.0, 28.0));
+    const double turn = SideSign(side) * RadFromDeg(stage.Uniform(0.0, 28.0));
     MovePelvis(stage, t, 0.5, 0.0, SideSign(side) * 0.3 * apart);
     StepBy(stage, side, t, 0.5, 0.0, SideSign(side) * apart, turn);
     MovePelvis(stage, t + 0.45, 0.4, 0.0, -SideSign(side) * 0.3 * apart);
@@ -202,17 +205,17 @@ double WideStance(Stage& stage, double t) {
   for (int i = 0; i < shifts; ++i) {
     const double beat = stage.Beat(1.0);
     ShiftWeight(stage, stage.RandomSide(), t, beat, stage.Uniform(0.2, 0.75));
-    stage.MoveTo(kTrunkSide, t, beat, Deg(stage.Uniform(-34.0, 34.0)));
-    stage.MoveTo(kTrunkTwist, t, beat, Deg(stage.Uniform(-38.0, 38.0)));
-    stage.MoveTo(kTrunkFlex, t, beat, Deg(stage.Uniform(-15.0, 50.0)));
-    stage.MoveTo(kPelvisPitch, t, beat, Deg(stage.Uniform(-5.0, 45.0)));
+    stage.MoveTo(kTrunkSide, t, beat, RadFromDeg(stage.Uniform(-34.0, 34.0)));
+    stage.MoveTo(kTrunkTwist, t, beat, RadFromDeg(stage.Uniform(-38.0, 38.0)));
+    stage.MoveTo(kTrunkFlex, t, beat, RadFromDeg(stage.Uniform(-15.0, 50.0)));
+    stage.MoveTo(kPelvisPitch, t, beat, RadFromDeg(stage.Uniform(-5.0, 45.0)));
     t += beat * stage.Uniform(0.9, 1.4);
   }
   Upright(stage, t);
   return WalkTo(stage, t + 0.2, FinalSpot(stage));
 }
 
-// A long step to the front or the back leg bent deep, arms anywhere.
+// A long step with the front or the back leg deeply bent, arms anywhere.
 double Lunge(Stage& stage, double t) {
   const int side = stage.RandomSide();
   const double length = stage.Tall(stage.Uniform(0.3, 0.5));
@@ -220,11 +223,11 @@ double Lunge(Stage& stage, double t) {
   StepBy(stage, side, t, 0.6, length, 0.0, 0.0);
   MovePelvis(stage, t + 0.1, 0.8, stage.Uniform(0.45, 0.65) * length, 0.0);
   stage.MoveBy(kPelvisZ, t + 0.25, 0.7, -sink);
-  stage.MoveTo(Of(kFootPitch, 1 - side), t + 0.3, 0.5, Deg(stage.Uniform(35.0, 60.0)));
+  stage.MoveTo(Of(kFootPitch, 1 - side), t + 0.3, 0.5, RadFromDeg(stage.Uniform(35.0, 60.0)));
   t += 0.95;
   const double hold = stage.Uniform(0.2, 1.5);
-  TrunkTo(stage, t - 0.4, 0.8, Deg(stage.Uniform(-6.0, 35.0)), Deg(stage.Uniform(-25.0, 35.0)),
-          Deg(stage.Uniform(-25.0, 25.0)), Deg(stage.Uniform(-45.0, 45.0)));
+  TrunkTo(stage, t - 0.4, 0.8, RadFromDeg(stage.Uniform(-6.0, 35.0)), RadFromDeg(stage.Uniform(-25.0, 35.0)),
+          RadFromDeg(stage.Uniform(-25.0, 25.0)), RadFromDeg(stage.Uniform(-45.0, 45.0)));
   t += hold;
   stage.MoveBy(kPelvisZ, t, 0.7, sink);
   stage.MoveTo(Of(kFootPitch, 1 - side), t, 0.5, 0.0);
@@ -235,33 +238,34 @@ double Leap(Stage& stage, double t) {
   Jump jump{};
   jump.height = stage.Tall(stage.Uniform(0.06, 0.18));
   jump.crouch = stage.Tall(stage.Uniform(0.08, 0.18));
-  jump.turn = stage.Chance(0.4) ? Deg(stage.Uniform(-200.0, 200.0)) : 0.0;
+  jump.turn = stage.Chance(0.4) ? RadFromDeg(stage.Uniform(-200.0, 200.0)) : 0.0;
   jump.arms_swing = false;
-  jump.left_leg = {Deg(stage.Uniform(-25.0, 45.0)), Deg(stage.Uniform(2.0, 30.0)), Deg(stage.Uniform(8.0, 95.0)),
-                   Deg(40.0)};
-  jump.right_leg = {Deg(stage.Uniform(-25.0, 45.0)), Deg(stage.Uniform(2.0, 30.0)), Deg(stage.Uniform(8.0, 95.0)),
-                    Deg(40.0)};
+  jump.left_leg = {RadFromDeg(stage.Uniform(-25.0, 45.0)), RadFromDeg(stage.Uniform(2.0, 30.0)),
+                   RadFromDeg(stage.Uniform(8.0, 95.0)), RadFromDeg(40.0)};
+  jump.right_leg = {RadFromDeg(stage.Uniform(-25.0, 45.0)), RadFromDeg(stage.Uniform(2.0, 30.0)),
+                    RadFromDeg(stage.Uniform(8.0, 95.0)), RadFromDeg(40.0)};
   return DoJump(stage, t, jump);
 }
 
-// As on a ladder: one hand high and the other knee up, by turns.
+// As on a ladder: alternately one hand high and the other knee up.
 double Climb(Stage& stage, double t) {
   int side = stage.RandomSide();
   const int count = 2 + static_cast<int>(stage.rng().Index(4));
-  const double lean = Deg(stage.Uniform(-20.0, 25.0));
+  const double lean = RadFromDeg(stage.Uniform(-20.0, 25.0));
   stage.MoveTo(kPelvisPitch, t, 0.6, lean);
   for (int i = 0; i < count; ++i) {
     const double up = stage.Beat(0.6);
     LiftLeg(stage, side, t + 0.15, up,
-            {Deg(stage.Uniform(25.0, 62.0)), Deg(stage.Uniform(0.0, 18.0)), Deg(stage.Uniform(60.0, 115.0)), Deg(5.0)});
+            {RadFromDeg(stage.Uniform(25.0, 62.0)), RadFromDeg(stage.Uniform(0.0, 18.0)),
+             RadFromDeg(stage.Uniform(60.0, 115.0)), RadFromDeg(5.0)});
     ArmAngles high = AnglesOf(stage, stage.Chance(0.6) ? ArmPose::kOverhead : ArmPose::kUpDiagonal);
-    high.elbow += Deg(stage.Uniform(0.0, 50.0));
+    high.elbow += RadFromDeg(stage.Uniform(0.0, 50.0));
     MoveArm(stage, 1 - side, t + 0.1, up, high);
     MoveArm(stage, side, t + 0.1, up,
-            {Deg(stage.Uniform(30.0, 100.0)), Deg(stage.Uniform(5.0, 40.0)), Deg(stage.Uniform(-20.0, 30.0)),
-             Deg(stage.Uniform(60.0, 125.0))});
-    stage.MoveTo(kTrunkSide, t, up, SideSign(side) * Deg(stage.Uniform(4.0, 20.0)));
-    stage.MoveTo(kNeckFlex, t, up, -Deg(stage.Uniform(5.0, 40.0)));
+            {RadFromDeg(stage.Uniform(30.0, 100.0)), RadFromDeg(stage.Uniform(5.0, 40.0)),
+             RadFromDeg(stage.Uniform(-20.0, 30.0)), RadFromDeg(stage.Uniform(60.0, 125.0))});
+    stage.MoveTo(kTrunkSide, t, up, SideSign(side) * RadFromDeg(stage.Uniform(4.0, 20.0)));
+    stage.MoveTo(kNeckFlex, t, up, -RadFromDeg(stage.Uniform(5.0, 40.0)));
     t += 0.15 + up;
     LowerLeg(stage, side, t, stage.Beat(0.5));
     t += 0.75;
@@ -272,7 +276,7 @@ double Climb(Stage& stage, double t) {
 
 double StepAbout(Stage& stage, double t) {
   Spot spot = NearbySpot(stage, 1400.0, 800.0);
-  if (stage.Chance(0.35)) spot.yaw = stage.Final(kPelvisYaw) + Deg(170.0) * SideSign(stage.RandomSide());
+  if (stage.Chance(0.35)) spot.yaw = stage.Final(kPelvisYaw) + RadFromDeg(170.0) * SideSign(stage.RandomSide());
   return WalkTo(stage, t, spot);
 }
 

@@ -1,4 +1,4 @@
-// What people do with their arms while they stand, sit or walk.
+// Gestures of people who stand, sit or walk.
 #include <cmath>
 
 #include "canonpose/simulate/people/activities.h"
@@ -32,7 +32,7 @@ double Wave(Stage& stage, double t, double seconds) {
   const ArmPose poses[] = {ArmPose::kGoalpost, ArmPose::kUpDiagonal, ArmPose::kOverhead, ArmPose::kGuard};
   MoveArm(stage, side, t, stage.Beat(0.55), AnglesOf(stage, poses[stage.rng().Index(4)]));
   const double hertz = stage.Uniform(0.9, 2.4);
-  const double size = Deg(stage.Uniform(10.0, 30.0)) / (0.5 + 0.5 * hertz);
+  const double size = RadFromDeg(stage.Uniform(10.0, 30.0)) / (0.5 + 0.5 * hertz);
   stage.Swing(Of(kShoulderTwist, side), t + 0.35, seconds, hertz, size, 0.0);
   stage.Swing(Of(kElbow, side), t + 0.35, seconds, hertz, 0.8 * size, 1.2);
   stage.Swing(Of(kShoulderAbd, side), t + 0.35, seconds, hertz, 0.5 * size, 0.5);
@@ -47,11 +47,11 @@ double Wave(Stage& stage, double t, double seconds) {
 
 double Clap(Stage& stage, double t, double seconds) {
   const double hertz = stage.Uniform(1.0, 2.6);
-  const double height = Deg(stage.Uniform(35.0, 120.0));
-  const double elbow = Deg(stage.Uniform(45.0, 85.0));
-  const double size = Deg(stage.Uniform(9.0, 18.0));
+  const double height = RadFromDeg(stage.Uniform(35.0, 120.0));
+  const double elbow = RadFromDeg(stage.Uniform(45.0, 85.0));
+  const double size = RadFromDeg(stage.Uniform(9.0, 18.0));
   for (const int side : {kLeft, kRight}) {
-    MoveArm(stage, side, t, 0.6, {height, Deg(10.0), Deg(28.0), elbow});
+    MoveArm(stage, side, t, 0.6, {height, RadFromDeg(10.0), RadFromDeg(28.0), elbow});
     stage.Swing(Of(kShoulderAbd, side), t + 0.4, seconds, hertz, 0.6 * size, 0.0);
     stage.Swing(Of(kShoulderTwist, side), t + 0.4, seconds, hertz, -size, 0.0);
   }
@@ -60,10 +60,10 @@ double Clap(Stage& stage, double t, double seconds) {
 
 double Point(Stage& stage, double t, double seconds) {
   const int side = stage.RandomSide();
-  const double aside = Deg(stage.Uniform(-25.0, 95.0));
-  const double raised = Deg(stage.Uniform(55.0, 125.0));
-  const ArmAngles angles{raised * std::cos(aside), raised * std::sin(aside), Deg(stage.Uniform(-20.0, 50.0)),
-                         Deg(stage.Uniform(4.0, 30.0))};
+  const double aside = RadFromDeg(stage.Uniform(-25.0, 95.0));
+  const double raised = RadFromDeg(stage.Uniform(55.0, 125.0));
+  const ArmAngles angles{raised * std::cos(aside), raised * std::sin(aside), RadFromDeg(stage.Uniform(-20.0, 50.0)),
+                         RadFromDeg(stage.Uniform(4.0, 30.0))};
   MoveArm(stage, side, t, stage.Beat(0.5), angles);
   stage.MoveTo(kNeckTwist, t, 0.5, SideSign(side) * 0.65 * aside);
   stage.MoveTo(kTrunkTwist, t, 0.6, SideSign(side) * 0.25 * aside);
@@ -84,10 +84,10 @@ double Box(Stage& stage, double t, double seconds) {
     const bool hook = stage.Chance(0.3);
     const ArmAngles guard = AnglesOf(stage, ArmPose::kGuard);
     const ArmAngles straight = AnglesOf(stage, ArmPose::kPointAhead);
-    const ArmAngles bent{Deg(55.0), Deg(65.0), Deg(20.0), Deg(85.0)};
+    const ArmAngles bent{RadFromDeg(55.0), RadFromDeg(65.0), RadFromDeg(20.0), RadFromDeg(85.0)};
     MoveArm(stage, side, t, out, hook ? bent : straight);
     MoveArm(stage, side, t + out, back, guard);
-    const double turn = -SideSign(side) * Deg(stage.Uniform(15.0, 38.0));
+    const double turn = -SideSign(side) * RadFromDeg(stage.Uniform(15.0, 38.0));
     stage.MoveTo(kTrunkTwist, t, out, turn);
     stage.MoveTo(kNeckTwist, t, out, -0.7 * turn);
     stage.MoveTo(kTrunkTwist, t + out, back, 0.0);
@@ -104,12 +104,12 @@ double Circle(Stage& stage, double t, double seconds) {
   const bool both = stage.Chance(0.6);
   const int one = stage.RandomSide();
   const double hertz = stage.Uniform(0.4, 1.0);
-  const double size = Deg(stage.Uniform(25.0, 75.0));
+  const double size = RadFromDeg(stage.Uniform(25.0, 75.0));
   const double shift = stage.Chance(0.5) ? 0.0 : kPi;
   for (const int side : {kLeft, kRight}) {
     if (!both && side != one) continue;
-    const double centre = Deg(stage.Uniform(60.0, 100.0));
-    MoveArm(stage, side, t, 0.6, {0.4 * centre, 0.8 * centre, 0.0, Deg(stage.Uniform(5.0, 35.0))});
+    const double centre = RadFromDeg(stage.Uniform(60.0, 100.0));
+    MoveArm(stage, side, t, 0.6, {0.4 * centre, 0.8 * centre, 0.0, RadFromDeg(stage.Uniform(5.0, 35.0))});
     const double phase = side == kLeft ? 0.0 : shift;
     stage.Swing(Of(kShoulderFlex, side), t + 0.3, seconds, hertz, size, phase);
     stage.Swing(Of(kShoulderAbd, side), t + 0.3, seconds, hertz, 0.8 * size, phase + kPi / 2);
@@ -117,7 +117,7 @@ double Circle(Stage& stage, double t, double seconds) {
   return t + 0.3 + seconds;
 }
 
-// Hands that go along with talking.
+// Hands that accompany talking.
 double Talk(Stage& stage, double t, double seconds) {
   const double end = t + seconds;
   const bool both = stage.Chance(0.65);
@@ -127,13 +127,13 @@ double Talk(Stage& stage, double t, double seconds) {
     for (const int side : {kLeft, kRight}) {
       if (!both && side != one) continue;
       ArmAngles angles = AnglesOf(stage, stage.Chance(0.7) ? ArmPose::kCarry : ArmPose::kBelly);
-      angles.flex += Deg(stage.Uniform(-15.0, 30.0));
-      angles.abd += Deg(stage.Uniform(-5.0, 25.0));
-      angles.twist += Deg(stage.Uniform(-45.0, 25.0));
-      angles.elbow += Deg(stage.Uniform(-25.0, 30.0));
+      angles.flex += RadFromDeg(stage.Uniform(-15.0, 30.0));
+      angles.abd += RadFromDeg(stage.Uniform(-5.0, 25.0));
+      angles.twist += RadFromDeg(stage.Uniform(-45.0, 25.0));
+      angles.elbow += RadFromDeg(stage.Uniform(-25.0, 30.0));
       MoveArm(stage, side, t, beat, angles);
     }
-    stage.MoveTo(kNeckFlex, t, beat, stage.style().head_pitch + Deg(stage.Uniform(-10.0, 14.0)));
+    stage.MoveTo(kNeckFlex, t, beat, stage.style().head_pitch + RadFromDeg(stage.Uniform(-10.0, 14.0)));
     t += beat * stage.Uniform(0.75, 1.8);
   }
   return t;
@@ -141,10 +141,10 @@ double Talk(Stage& stage, double t, double seconds) {
 
 double Shrug(Stage& stage, double t) {
   for (const int side : {kLeft, kRight}) {
-    stage.Bump(Of(kShrug, side), t, 1.1, Deg(stage.Uniform(12.0, 25.0)));
-    stage.Bump(Of(kShoulderTwist, side), t, 1.2, -Deg(stage.Uniform(20.0, 60.0)));
-    stage.Bump(Of(kElbow, side), t, 1.2, Deg(stage.Uniform(30.0, 70.0)));
-    stage.Bump(Of(kShoulderAbd, side), t, 1.2, Deg(stage.Uniform(5.0, 20.0)));
+    stage.Bump(Of(kShrug, side), t, 1.1, RadFromDeg(stage.Uniform(12.0, 25.0)));
+    stage.Bump(Of(kShoulderTwist, side), t, 1.2, -RadFromDeg(stage.Uniform(20.0, 60.0)));
+    stage.Bump(Of(kElbow, side), t, 1.2, RadFromDeg(stage.Uniform(30.0, 70.0)));
+    stage.Bump(Of(kShoulderAbd, side), t, 1.2, RadFromDeg(stage.Uniform(5.0, 20.0)));
   }
   return t + 1.2;
 }
@@ -157,17 +157,17 @@ double Anything(Stage& stage, double t, double seconds) {
   return t + std::max(seconds * 0.7, reach);
 }
 
-// Legs and trunk of somebody who stands about.
+// Legs and trunk of somebody who stands around.
 void StandAbout(Stage& stage) {
   for (double t = stage.Uniform(0.5, 2.0); t < stage.seconds(); t += stage.Uniform(1.5, 4.5)) {
     const double duration = stage.Beat(0.9);
     if (stage.Chance(0.3)) {
-      stage.MoveTo(kTrunkTwist, t, duration, Deg(stage.Uniform(-28.0, 28.0)));
-      stage.MoveTo(kTrunkSide, t, duration, Deg(stage.Uniform(-14.0, 14.0)));
-      stage.MoveTo(kTrunkFlex, t, duration, stage.style().trunk_lean + Deg(stage.Uniform(-10.0, 24.0)));
-      stage.MoveTo(kPelvisPitch, t, duration, Deg(stage.Uniform(-6.0, 16.0)));
+      stage.MoveTo(kTrunkTwist, t, duration, RadFromDeg(stage.Uniform(-28.0, 28.0)));
+      stage.MoveTo(kTrunkSide, t, duration, RadFromDeg(stage.Uniform(-14.0, 14.0)));
+      stage.MoveTo(kTrunkFlex, t, duration, stage.style().trunk_lean + RadFromDeg(stage.Uniform(-10.0, 24.0)));
+      stage.MoveTo(kPelvisPitch, t, duration, RadFromDeg(stage.Uniform(-6.0, 16.0)));
     }
-    stage.MoveTo(kPelvisRoll, t, duration, Deg(stage.Uniform(-6.0, 6.0)));
+    stage.MoveTo(kPelvisRoll, t, duration, RadFromDeg(stage.Uniform(-6.0, 6.0)));
   }
 }
 
@@ -209,7 +209,7 @@ void PerformGesture(Stage& stage) {
     const double begun = t;
     t = stage.Chance(0.12) ? Box(stage, t, seconds) : MakeGesture(stage, t, seconds);
     if (t > walk_at) {
-      // To another place, while the gesture goes on.
+      // To another place, while the gesture continues.
       ShiftWeight(stage, kLeft, begun, 0.6, 0.0);
       const double arrived = WalkTo(stage, begun + 0.5, NearbySpot(stage, 1400.0, 900.0));
       walk_at = arrived + stage.Uniform(1.5, 6.0);

@@ -1,4 +1,4 @@
-// Jumps, and what goes down on the legs: squats, lunges, kneeling.
+// Jumps, squats, lunges and kneeling.
 #include <cmath>
 
 #include "canonpose/simulate/people/activities.h"
@@ -13,19 +13,20 @@ double JumpUp(Stage& stage, double t, bool squat_jump) {
   jump.height = stage.Tall(stage.Uniform(0.10, 0.24));
   jump.crouch = stage.Tall(squat_jump ? stage.Uniform(0.20, 0.30) : stage.Uniform(0.10, 0.22));
   jump.arms_swing = !squat_jump || stage.Chance(0.3);
-  if (stage.Chance(0.3)) jump.turn = Deg(stage.Uniform(-180.0, 180.0));
+  if (stage.Chance(0.3)) jump.turn = RadFromDeg(stage.Uniform(-180.0, 180.0));
   if (stage.Chance(0.35)) {
     // Tucked.
-    const double flex = Deg(stage.Uniform(25.0, 70.0));
-    const double knee = Deg(stage.Uniform(70.0, 120.0));
-    jump.left_leg = {flex, Deg(5.0), knee, Deg(30.0)};
-    jump.right_leg = {flex + Deg(stage.Uniform(-8.0, 8.0)), Deg(5.0), knee, Deg(30.0)};
+    const double flex = RadFromDeg(stage.Uniform(25.0, 70.0));
+    const double knee = RadFromDeg(stage.Uniform(70.0, 120.0));
+    jump.left_leg = {flex, RadFromDeg(5.0), knee, RadFromDeg(30.0)};
+    jump.right_leg = {flex + RadFromDeg(stage.Uniform(-8.0, 8.0)), RadFromDeg(5.0), knee, RadFromDeg(30.0)};
     jump.height = stage.Tall(stage.Uniform(0.17, 0.26));
   } else if (stage.Chance(0.3)) {
     // Heels back.
-    const double knee = Deg(stage.Uniform(60.0, 105.0));
-    jump.left_leg = {Deg(-28.0), Deg(4.0), knee, Deg(45.0)};
-    jump.right_leg = {Deg(-28.0), Deg(4.0), knee + Deg(stage.Uniform(-20.0, 20.0)), Deg(45.0)};
+    const double knee = RadFromDeg(stage.Uniform(60.0, 105.0));
+    jump.left_leg = {RadFromDeg(-28.0), RadFromDeg(4.0), knee, RadFromDeg(45.0)};
+    jump.right_leg = {RadFromDeg(-28.0), RadFromDeg(4.0), knee + RadFromDeg(stage.Uniform(-20.0, 20.0)),
+                      RadFromDeg(45.0)};
   }
   return DoJump(stage, t, jump);
 }
@@ -33,14 +34,14 @@ double JumpUp(Stage& stage, double t, bool squat_jump) {
 double LongJump(Stage& stage, double t) {
   Jump jump{};
   const Spot spot = FinalSpot(stage);
-  // Not out of the room: towards the side where the origin is.
+  // Stays in the room by moving to the side of the origin.
   const double towards = -(spot.x * std::cos(spot.yaw) + spot.y * std::sin(spot.yaw));
   const double sign = towards >= 0.0 || std::hypot(spot.x, spot.y) < 300.0 ? 1.0 : -1.0;
   jump.height = stage.Tall(stage.Uniform(0.10, 0.18));
   jump.crouch = stage.Tall(stage.Uniform(0.16, 0.26));
   jump.ahead = stage.Tall(stage.Uniform(0.25, 0.75)) * (sign > 0.0 ? 1.0 : -0.4);
-  const double flex = Deg(sign > 0.0 ? stage.Uniform(15.0, 50.0) : 0.0);
-  jump.left_leg = {flex, Deg(4.0), Deg(60.0), Deg(15.0)};
+  const double flex = RadFromDeg(sign > 0.0 ? stage.Uniform(15.0, 50.0) : 0.0);
+  jump.left_leg = {flex, RadFromDeg(4.0), RadFromDeg(60.0), RadFromDeg(15.0)};
   jump.right_leg = jump.left_leg;
   return DoJump(stage, t, jump);
 }
@@ -57,8 +58,8 @@ double SideJump(Stage& stage, double t) {
 double StarJump(Stage& stage, double t) {
   const bool jacks = stage.Chance(0.6);
   const int count = jacks ? 2 * (1 + static_cast<int>(stage.rng().Index(3))) : 1;
-  const double spread = Deg(stage.Uniform(22.0, 38.0));
-  const double up = Deg(stage.Uniform(100.0, 165.0));
+  const double spread = RadFromDeg(stage.Uniform(22.0, 38.0));
+  const double up = RadFromDeg(stage.Uniform(100.0, 165.0));
   for (int i = 0; i < count; ++i) {
     Jump jump{};
     const bool opening = i % 2 == 0;
@@ -67,14 +68,14 @@ double StarJump(Stage& stage, double t) {
     jump.crouch = stage.Tall(jacks ? 0.07 : 0.18);
     jump.arms_swing = false;
     const double abd = jacks ? 0.5 * spread : spread;
-    jump.left_leg = jump.right_leg = {Deg(2.0), abd, Deg(10.0), Deg(35.0)};
+    jump.left_leg = jump.right_leg = {RadFromDeg(2.0), abd, RadFromDeg(10.0), RadFromDeg(35.0)};
     if (jacks && opening) jump.feet_apart = stage.Tall(0.24);
     const double end = DoJump(stage, t, jump);
     for (const int side : {kLeft, kRight}) {
       const int abduction = Of(kShoulderAbd, side);
       if (jacks) {
         stage.MoveTo(abduction, t + 0.12, 0.40, opening ? up : stage.style().arm_carry);
-        stage.MoveTo(Of(kShoulderTwist, side), t + 0.12, 0.40, opening ? Deg(-40.0) : Deg(10.0));
+        stage.MoveTo(Of(kShoulderTwist, side), t + 0.12, 0.40, opening ? RadFromDeg(-40.0) : RadFromDeg(10.0));
       } else {
         stage.Bump(abduction, t + 0.25, end - t - 0.3, up);
       }
@@ -90,10 +91,11 @@ double HopSeveral(Stage& stage, double t) {
   const int count = 2 + static_cast<int>(stage.rng().Index(4));
   if (one_leg) {
     LiftLeg(stage, 1 - hopping, t + 0.2, 0.5,
-            {Deg(stage.Uniform(0.0, 60.0)), Deg(stage.Uniform(2.0, 15.0)), Deg(stage.Uniform(55.0, 110.0))});
+            {RadFromDeg(stage.Uniform(0.0, 60.0)), RadFromDeg(stage.Uniform(2.0, 15.0)),
+             RadFromDeg(stage.Uniform(55.0, 110.0))});
     t += 0.8;
   }
-  // On one leg the other is held up all the time: the pelvis bounces, the hopping foot follows.
+  // Hopping on one leg, the other is held up all the time: the pelvis bounces and the hopping foot follows.
   for (int i = 0; i < count; ++i) {
     if (!one_leg) {
       Jump jump{};
@@ -109,7 +111,7 @@ double HopSeveral(Stage& stage, double t) {
     stage.Bump(kPelvisZ, t, 0.45 * period, -stage.Tall(0.05));
     stage.Bump(kPelvisZ, t + 0.25 * period, 0.75 * period, stage.Tall(stage.Uniform(0.05, 0.07)));
     stage.Bump(Of(kFootLift, hopping), t + 0.33 * period, 0.6 * period, stage.Tall(0.07));
-    stage.Bump(Of(kFootPitch, hopping), t + 0.2 * period, 0.8 * period, Deg(35.0));
+    stage.Bump(Of(kFootPitch, hopping), t + 0.2 * period, 0.8 * period, RadFromDeg(35.0));
     t += period;
   }
   if (one_leg) {
@@ -150,16 +152,16 @@ double DoSquat(Stage& stage, double t) {
   const double widen = stage.Chance(0.5) ? stage.Tall(stage.Uniform(0.02, 0.09)) : 0.0;
   if (widen > 0.0) {
     for (const int side : {kLeft, kRight}) {
-      StepBy(stage, side, t, 0.4, 0.0, SideSign(side) * widen, SideSign(side) * Deg(stage.Uniform(5.0, 20.0)));
+      StepBy(stage, side, t, 0.4, 0.0, SideSign(side) * widen, SideSign(side) * RadFromDeg(stage.Uniform(5.0, 20.0)));
       t += 0.45;
     }
   }
   stage.MoveBy(kPelvisZ, t, down, -depth);
   stage.MoveTo(kSurge, t, down, -0.35 * depth);
-  BendTrunk(stage, t, down, Deg(stage.Uniform(12.0, 40.0)), Deg(stage.Uniform(-8.0, 22.0)));
+  BendTrunk(stage, t, down, RadFromDeg(stage.Uniform(12.0, 40.0)), RadFromDeg(stage.Uniform(-8.0, 22.0)));
   ArmsForSquat(stage, t, t + down + hold, down);
   for (const int side : {kLeft, kRight}) {
-    stage.MoveTo(Of(kLegTwist, side), t, down, Deg(stage.Uniform(0.0, 18.0)));
+    stage.MoveTo(Of(kLegTwist, side), t, down, RadFromDeg(stage.Uniform(0.0, 18.0)));
     stage.MoveTo(Of(kLegTwist, side), t + down + hold, up, 0.0);
   }
   t += down + hold;
@@ -184,13 +186,13 @@ double DoLunge(Stage& stage, double t) {
   StepBy(stage, side, t, step, ahead, left, 0.0);
   MovePelvis(stage, t + 0.15, step + 0.2, 0.5 * ahead, 0.62 * left);
   stage.MoveBy(kPelvisZ, t + 0.35 * step, step, -sink);
-  const double turn = stage.Uniform(-1.0, 1.0) * Deg(30.0);
+  const double turn = stage.Uniform(-1.0, 1.0) * RadFromDeg(30.0);
   stage.MoveTo(kTrunkTwist, t + 0.3, step, turn);
-  BendTrunk(stage, t + 0.2, step, Deg(stage.Uniform(-2.0, 14.0)) + (choice < 0.75 ? 0.0 : Deg(18.0)),
-            Deg(stage.Uniform(-5.0, 20.0)));
-  // The heel behind comes up.
+  BendTrunk(stage, t + 0.2, step, RadFromDeg(stage.Uniform(-2.0, 14.0)) + (choice < 0.75 ? 0.0 : RadFromDeg(18.0)),
+            RadFromDeg(stage.Uniform(-5.0, 20.0)));
+  // The rear heel comes up.
   const int behind = ahead > 0.0 ? 1 - side : side;
-  const double heel = choice < 0.75 ? Deg(stage.Uniform(35.0, 60.0)) : 0.0;
+  const double heel = choice < 0.75 ? RadFromDeg(stage.Uniform(35.0, 60.0)) : 0.0;
   stage.MoveTo(Of(kFootPitch, behind), t + 0.5 * step, 0.7 * step, heel);
   ArmsForSquat(stage, t + 0.1, t + 1.4 * step + hold, step);
   t += 1.4 * step + hold;
@@ -204,7 +206,7 @@ double DoLunge(Stage& stage, double t) {
   return t + back + 0.1;
 }
 
-// Down on one knee, now and then on both, and up again.
+// Down on one knee, sometimes on both, and up again.
 double DoKneel(Stage& stage, double t) {
   const int down_side = stage.RandomSide();
   const auto i = Body::Index(down_side);
@@ -213,19 +215,19 @@ double DoKneel(Stage& stage, double t) {
   const double back = 0.55 * (body.shank[i] + body.ball[i]);
   StepBy(stage, down_side, t, step, -1.25 * back, 0.0, 0.0);
   StepBy(stage, 1 - down_side, t + 0.85 * step, 0.8 * step, 0.75 * back, 0.0, 0.0);
-  stage.MoveTo(Of(kFootPitch, down_side), t + 0.4, 1.2, Deg(68.0));
+  stage.MoveTo(Of(kFootPitch, down_side), t + 0.4, 1.2, RadFromDeg(68.0));
   t += 1.3 * step;
   const double kneeling = body.thigh[i] + stage.Tall(0.045) - body.standing_hip_height();
   const double home = stage.Final(kPelvisZ);
   stage.MoveTo(kPelvisZ, t, 1.0, kneeling);
   stage.MoveTo(kSurge, t, 1.0, -0.1 * back);
-  BendTrunk(stage, t, 0.9, Deg(stage.Uniform(-4.0, 12.0)), Deg(stage.Uniform(-5.0, 30.0)));
+  BendTrunk(stage, t, 0.9, RadFromDeg(stage.Uniform(-4.0, 12.0)), RadFromDeg(stage.Uniform(-5.0, 30.0)));
   t += 1.05;
   const double stay = stage.Uniform(1.5, 4.0);
   const double end = t + stay;
   for (double g = t; g < end - 1.2;) g = MakeGesture(stage, g, stage.Uniform(1.0, 2.5));
-  stage.MoveTo(kTrunkFlex, t + 0.3 * stay, 0.8, Deg(stage.Uniform(-5.0, 45.0)));
-  stage.MoveTo(kTrunkTwist, t + 0.3 * stay, 0.8, Deg(stage.Uniform(-35.0, 35.0)));
+  stage.MoveTo(kTrunkFlex, t + 0.3 * stay, 0.8, RadFromDeg(stage.Uniform(-5.0, 45.0)));
+  stage.MoveTo(kTrunkTwist, t + 0.3 * stay, 0.8, RadFromDeg(stage.Uniform(-35.0, 35.0)));
   stage.MoveTo(kTrunkTwist, end - 0.8, 0.8, 0.0);
   t = end;
   for (const int side : {kLeft, kRight}) MoveArm(stage, side, t, 0.9, HangingArm(stage));
@@ -238,8 +240,10 @@ double DoKneel(Stage& stage, double t) {
   return t + 1.7;
 }
 
-// Knee under the hip and shank on the floor, seen from a pelvis pitched forward.
-LegPose KneelingLeg(double pitch) { return {pitch - Deg(45.0), Deg(3.0), Deg(90.0), Deg(55.0)}; }
+// Knee under the hip and shank on the floor, relative to a pelvis pitched forward.
+LegPose KneelingLeg(double pitch) {
+  return {pitch - RadFromDeg(45.0), RadFromDeg(3.0), RadFromDeg(90.0), RadFromDeg(55.0)};
+}
 
 // On hands and knees: an arm or a leg is stretched out, the back bends and arches.
 double MoveOnAllFours(Stage& stage, double t, double until, double pitch) {
@@ -249,18 +253,20 @@ double MoveOnAllFours(Stage& stage, double t, double until, double pitch) {
     const int side = stage.RandomSide();
     const bool arm = stage.Chance(0.6);
     const bool leg = stage.Chance(0.6);
-    stage.MoveTo(kTrunkFlex, t, beat, Deg(stage.Uniform(-22.0, 30.0)));
-    stage.MoveTo(kNeckFlex, t, beat, Deg(stage.Uniform(-50.0, 10.0)));
+    stage.MoveTo(kTrunkFlex, t, beat, RadFromDeg(stage.Uniform(-22.0, 30.0)));
+    stage.MoveTo(kNeckFlex, t, beat, RadFromDeg(stage.Uniform(-50.0, 10.0)));
     if (arm) {
-      const ArmAngles angles =
-          stage.Chance(0.6) ? ArmAngles{Deg(stage.Uniform(120.0, 165.0)), Deg(10.0), 0.0, Deg(12.0)} : RandomArm(stage);
+      const ArmAngles angles = stage.Chance(0.6) ? ArmAngles{RadFromDeg(stage.Uniform(120.0, 165.0)), RadFromDeg(10.0),
+                                                             0.0, RadFromDeg(12.0)}
+                                                 : RandomArm(stage);
       MoveArm(stage, side, t, beat, angles);
       stage.MoveTo(Of(kHandWeight, side), t, beat, 0.0);
       stage.MoveTo(Of(kHandWeight, side), t + beat + hold, beat, 1.0);
       MoveArm(stage, side, t + beat + hold, beat, AnglesOf(stage, ArmPose::kForward));
     }
     if (leg) {
-      const LegPose back{pitch - Deg(stage.Uniform(70.0, 92.0)), Deg(4.0), Deg(stage.Uniform(5.0, 60.0)), Deg(30.0)};
+      const LegPose back{pitch - RadFromDeg(stage.Uniform(70.0, 92.0)), RadFromDeg(4.0),
+                         RadFromDeg(stage.Uniform(5.0, 60.0)), RadFromDeg(30.0)};
       MoveLeg(stage, 1 - side, t, beat, back);
       MoveLeg(stage, 1 - side, t + beat + hold, beat, KneelingLeg(pitch));
     }
@@ -271,14 +277,14 @@ double MoveOnAllFours(Stage& stage, double t, double until, double pitch) {
 
 double DoAllFours(Stage& stage, double t) {
   const double down = stage.Beat(1.6);
-  const double pitch = Deg(stage.Uniform(66.0, 82.0));
+  const double pitch = RadFromDeg(stage.Uniform(66.0, 82.0));
   const double home = stage.Final(kPelvisZ);
   const double ahead = stage.Tall(0.12);
   const Spot spot = FinalSpot(stage);
   const double height = stage.body().thigh[kLeft] + stage.Tall(0.04) - stage.body().standing_hip_height();
   stage.MoveTo(kPelvisZ, t, down, height);
   stage.MoveTo(kSurge, t + 0.3 * down, 0.7 * down, ahead);
-  BendTrunk(stage, t, down, pitch, Deg(5.0));
+  BendTrunk(stage, t, down, pitch, RadFromDeg(5.0));
   for (const int side : {kLeft, kRight}) {
     const double reach = ahead + 0.95 * stage.body().trunk * std::sin(pitch);
     const double across = SideSign(side) * stage.Tall(stage.Uniform(0.09, 0.13));
@@ -287,14 +293,14 @@ double DoAllFours(Stage& stage, double t) {
     stage.MoveTo(Of(kHandZ, side), t - 0.03, 0.02, stage.Tall(0.035));
     MoveArm(stage, side, t, 0.8 * down, AnglesOf(stage, ArmPose::kForward));
     stage.MoveTo(Of(kHandWeight, side), t, down, 1.0);
-    MoveLeg(stage, side, t - 0.03, 0.03, {Deg(10.0), Deg(3.0), Deg(60.0), Deg(5.0)});
+    MoveLeg(stage, side, t - 0.03, 0.03, {RadFromDeg(10.0), RadFromDeg(3.0), RadFromDeg(60.0), RadFromDeg(5.0)});
     stage.MoveTo(Of(kFree, side), t + 0.35 * down, 0.6 * down, 1.0);
     MoveLeg(stage, side, t, down, KneelingLeg(pitch));
   }
   t = MoveOnAllFours(stage, t + down + 0.2, t + down + stage.Uniform(2.0, 6.0), pitch);
   const double up = stage.Beat(1.8);
   for (const int side : {kLeft, kRight}) {
-    MoveLeg(stage, side, t, 0.8 * up, {Deg(30.0), Deg(3.0), Deg(80.0), Deg(5.0)});
+    MoveLeg(stage, side, t, 0.8 * up, {RadFromDeg(30.0), RadFromDeg(3.0), RadFromDeg(80.0), RadFromDeg(5.0)});
     stage.MoveTo(Of(kFree, side), t + 0.1 * up, 0.6 * up, 0.0);
     stage.MoveTo(Of(kLegTwist, side), t, up, 0.0);
     stage.MoveTo(Of(kHandWeight, side), t + 0.25 * up, 0.6 * up, 0.0);

@@ -9,7 +9,7 @@
 namespace canonpose {
 namespace {
 
-// What the walker is up to for a while: velocity in its own frame, mm/s.
+// What the walker does for a while: velocity in the walker's own frame, mm/s.
 struct Leg {
   double until;
   double ahead;
@@ -46,8 +46,8 @@ std::vector<Leg> PlanLegs(Stage& stage, bool running) {
   return legs;
 }
 
-// The pelvis' path through a room: towards one place after the other, with limited turns. Velocities and turns pass
-// through two first order lags, so that accelerations are smooth.
+// The pelvis' path through a room, from one goal to the next with limited turning rates. Velocities and turning rates
+// pass through two first-order lags, so that accelerations are smooth.
 void WalkThroughRoom(Stage& stage, const std::vector<Leg>& legs, double radius, double max_turn) {
   double x = 0.0;
   double y = 0.0;
@@ -73,9 +73,9 @@ void WalkThroughRoom(Stage& stage, const std::vector<Leg>& legs, double radius, 
     }
     const double moving = std::hypot(legs[leg].ahead, legs[leg].left);
     const double offset = moving > 0.0 ? std::atan2(legs[leg].left, legs[leg].ahead) : 0.0;
-    const double wish = std::remainder(std::atan2(goal_y - y, goal_x - x) - offset - yaw, 2 * kPi);
+    const double to_goal = std::remainder(std::atan2(goal_y - y, goal_x - x) - offset - yaw, 2 * kPi);
     const double limit = max_turn * (moving > 0.0 ? 1.0 : 0.0);
-    const double wanted_turn = std::clamp(1.6 * wish, -limit, limit);
+    const double wanted_turn = std::clamp(1.6 * to_goal, -limit, limit);
     // Slower in sharp turns, as people do.
     const double ease = 1.0 - 0.45 * std::abs(turn[1]) / max_turn;
     ahead[0] += lag * (legs[leg].ahead * ease - ahead[0]);
@@ -88,7 +88,7 @@ void WalkThroughRoom(Stage& stage, const std::vector<Leg>& legs, double radius, 
     stage[kPelvisX][i] += x;
     stage[kPelvisY][i] += y;
     stage[kPelvisYaw][i] += yaw;
-    // The body leans into a turn: the pelvis runs inside of the feet.
+    // The body leans into a turn, with the pelvis on the inside of the feet.
     const double lean = std::atan(ahead[1] * turn[1] / 9810.0);
     stage[kSway][i] += 0.8 * std::sin(lean) * stage.Tall(0.5);
     stage[kPelvisRoll][i] += 0.8 * lean;
@@ -103,7 +103,7 @@ struct ArmSwing {
   double elbow[2];
 };
 
-// Arms and trunk swing against the legs.
+// Arms and trunk swing opposite to the legs.
 void SwingAlong(Stage& stage, const std::vector<double>& left_ahead, const ArmSwing& swing,
                 const std::array<std::vector<double>, 2>& busy, double pelvis_turn, double trunk_turn) {
   for (std::size_t f = 0; f < left_ahead.size(); ++f) {
@@ -119,7 +119,7 @@ void SwingAlong(Stage& stage, const std::vector<double>& left_ahead, const ArmSw
   }
 }
 
-// Now and then a hand does something else.
+// Sometimes a hand does something else.
 std::array<std::vector<double>, 2> BusyHands(Stage& stage, double chance) {
   std::array<std::vector<double>, 2> busy;
   for (std::vector<double>& hand : busy) hand.assign(static_cast<std::size_t>(stage.frames()), 0.0);
@@ -152,13 +152,13 @@ std::array<std::vector<double>, 2> BusyHands(Stage& stage, double chance) {
 void PerformGait(Stage& stage) {
   StandNaturally(stage);
   const std::vector<Leg> legs = PlanLegs(stage, false);
-  WalkThroughRoom(stage, legs, 1000.0 * stage.Uniform(1.5, 2.2), Deg(stage.Uniform(75.0, 125.0)));
+  WalkThroughRoom(stage, legs, 1000.0 * stage.Uniform(1.5, 2.2), RadFromDeg(stage.Uniform(75.0, 125.0)));
   StepOptions options;
   options.half_width = stage.Tall(stage.Uniform(0.022, 0.055));
-  options.toe_out = Deg(stage.Uniform(-3.0, 14.0));
+  options.toe_out = RadFromDeg(stage.Uniform(-3.0, 14.0));
   options.lift = stage.Chance(0.12) ? stage.Uniform(0.06, 0.16) : stage.Uniform(0.015, 0.04);
-  options.heel_rise = Deg(stage.Uniform(26.0, 46.0));
-  options.toes_up = Deg(stage.Uniform(5.0, 24.0));
+  options.heel_rise = RadFromDeg(stage.Uniform(26.0, 46.0));
+  options.toes_up = RadFromDeg(stage.Uniform(5.0, 24.0));
   options.cadence = stage.Uniform(0.88, 1.14);
   options.lean_over = stage.Uniform(0.006, 0.018);
   PlaceFeet(stage, options.half_width);
@@ -171,7 +171,7 @@ void PerformGait(Stage& stage) {
   }
   const std::array<std::vector<double>, 2> busy = BusyHands(stage, 0.4);
   SwingAlong(stage, LeftFootAhead(stage), swing, busy, stage.Uniform(0.08, 0.28), stage.Uniform(0.1, 0.45));
-  stage.Add(kTrunkFlex, Deg(stage.Chance(0.1) ? stage.Uniform(10.0, 30.0) : stage.Uniform(-3.0, 3.0)));
+  stage.Add(kTrunkFlex, RadFromDeg(stage.Chance(0.1) ? stage.Uniform(10.0, 30.0) : stage.Uniform(-3.0, 3.0)));
   stage.Add(kPelvisZ, -stage.Tall(stage.Chance(0.1) ? stage.Uniform(0.02, 0.10) : stage.Uniform(0.0, 0.003)));
   LookAround(stage, 0.0, stage.seconds(), 3.0);
 }
@@ -179,14 +179,14 @@ void PerformGait(Stage& stage) {
 void PerformRun(Stage& stage) {
   StandNaturally(stage);
   const std::vector<Leg> legs = PlanLegs(stage, true);
-  WalkThroughRoom(stage, legs, 1000.0 * stage.Uniform(1.3, 2.0), Deg(stage.Uniform(120.0, 165.0)));
+  WalkThroughRoom(stage, legs, 1000.0 * stage.Uniform(1.3, 2.0), RadFromDeg(stage.Uniform(120.0, 165.0)));
   StepOptions options;
   options.running = true;
   options.half_width = stage.Tall(stage.Uniform(0.022, 0.040));
-  options.toe_out = Deg(stage.Uniform(-2.0, 10.0));
+  options.toe_out = RadFromDeg(stage.Uniform(-2.0, 10.0));
   options.lift = stage.Uniform(0.08, 0.18);
-  options.heel_rise = Deg(stage.Uniform(40.0, 58.0));
-  options.toes_up = Deg(stage.Uniform(0.0, 16.0));
+  options.heel_rise = RadFromDeg(stage.Uniform(40.0, 58.0));
+  options.toes_up = RadFromDeg(stage.Uniform(0.0, 16.0));
   options.cadence = stage.Uniform(0.92, 1.10);
   PlaceFeet(stage, options.half_width);
   const double bounce = stage.Tall(stage.Uniform(0.035, 0.06));
@@ -199,16 +199,16 @@ void PerformRun(Stage& stage) {
   for (const int side : {kLeft, kRight}) {
     swing.reach[side] = stage.Uniform(0.9, 1.7);
     swing.elbow[side] = stage.Uniform(0.1, 0.7);
-    stage.Add(Of(kElbow, side), Deg(stage.Uniform(45.0, 80.0)));
-    stage.Add(Of(kShoulderFlex, side), -Deg(stage.Uniform(5.0, 20.0)));
-    stage.Add(Of(kShoulderTwist, side), Deg(stage.Uniform(-8.0, 18.0)));
-    stage.Add(Of(kShoulderAbd, side), Deg(stage.Uniform(5.0, 18.0)));
+    stage.Add(Of(kElbow, side), RadFromDeg(stage.Uniform(45.0, 80.0)));
+    stage.Add(Of(kShoulderFlex, side), -RadFromDeg(stage.Uniform(5.0, 20.0)));
+    stage.Add(Of(kShoulderTwist, side), RadFromDeg(stage.Uniform(-8.0, 18.0)));
+    stage.Add(Of(kShoulderAbd, side), RadFromDeg(stage.Uniform(5.0, 18.0)));
   }
   const std::array<std::vector<double>, 2> busy = BusyHands(stage, 0.15);
   SwingAlong(stage, LeftFootAhead(stage), swing, busy, stage.Uniform(0.10, 0.25), stage.Uniform(0.25, 0.50));
-  stage.Add(kTrunkFlex, Deg(stage.Uniform(2.0, 10.0)));
-  stage.Add(kPelvisPitch, Deg(stage.Uniform(2.0, 9.0)));
-  stage.Add(kNeckFlex, -Deg(stage.Uniform(2.0, 12.0)));
+  stage.Add(kTrunkFlex, RadFromDeg(stage.Uniform(2.0, 10.0)));
+  stage.Add(kPelvisPitch, RadFromDeg(stage.Uniform(2.0, 9.0)));
+  stage.Add(kNeckFlex, -RadFromDeg(stage.Uniform(2.0, 12.0)));
   LookAround(stage, 0.0, stage.seconds(), 5.0);
 }
 

@@ -1,12 +1,12 @@
-// Moves that activities are made of: a step, a walk to a place, a lifted leg, a jump. Each writes to a stage from a
-// time on and most say when they end.
+// Moves that activities consist of: a step, a walk to a place, a lifted leg, a jump. Each writes to a stage, starting
+// at a given time, and most return the time of their end.
 #pragma once
 
 #include "canonpose/simulate/people/stage.h"
 
 namespace canonpose {
 
-/// Where a stage's strokes so far leave the pelvis.
+/// The position of the pelvis after the strokes so far.
 struct Spot {
   double x;
   double y;
@@ -14,45 +14,45 @@ struct Spot {
 };
 Spot FinalSpot(const Stage& stage);
 
-/// Walks from where the pelvis and feet are to a spot, with small steps.
+/// Walks from the current position of pelvis and feet to a spot, with small steps.
 double WalkTo(Stage& stage, double start, const Spot& spot);
-/// A random spot within `radius_mm` of the origin, not far from where the person is, looking anywhere.
+/// A random spot within `radius_mm` of the origin and not far from the person, with a random heading.
 Spot NearbySpot(Stage& stage, double radius_mm, double step_mm);
 
-/// One foot steps by `ahead` and `left` (mm, in the pelvis' direction) and turns by `turn`.
+/// One foot steps by `ahead` and `left` (mm, relative to the pelvis' heading) and turns by `turn`.
 void StepBy(Stage& stage, int side, double start, double duration, double ahead, double left, double turn);
 /// The pelvis moves by `ahead` and `left`, mm.
 void MovePelvis(Stage& stage, double start, double duration, double ahead, double left);
-/// The pelvis over one foot (`share` 1), between the feet (0).
+/// Moves the pelvis over one foot (`share` 1) or between the feet (0).
 void ShiftWeight(Stage& stage, int side, double start, double duration, double share);
 
 struct LegPose {
   double flex;  ///< of the line from hip to ankle
   double abd;
   double knee;
-  double ankle = Deg(20.0);
+  double ankle = RadFromDeg(20.0);
   double twist = 0.0;
 };
-/// Lifts a foot off the ground into a pose; the pelvis goes over the other.
+/// Lifts a foot off the ground into a pose; the pelvis moves over the other foot.
 void LiftLeg(Stage& stage, int side, double start, double duration, const LegPose& pose);
-/// Moves an already free leg.
+/// Moves a leg that is already free.
 void MoveLeg(Stage& stage, int side, double start, double duration, const LegPose& pose);
 /// Puts the foot back where it was planted.
 void LowerLeg(Stage& stage, int side, double start, double duration);
 
 struct Jump {
-  double height;       ///< of the pelvis' flight, mm
-  double crouch;       ///< how deep the pelvis goes before, mm
+  double height;       ///< that the pelvis reaches, mm
+  double crouch;       ///< how far the pelvis goes down before, mm
   double ahead = 0.0;  ///< how far, mm
   double left = 0.0;
   double turn = 0.0;
-  LegPose left_leg{Deg(2.0), Deg(4.0), Deg(14.0), Deg(42.0)};   ///< in flight
-  LegPose right_leg{Deg(2.0), Deg(4.0), Deg(14.0), Deg(42.0)};  ///< in flight
-  double feet_apart = 0.0;                                      ///< by how much the stance is wider after it, mm
+  LegPose left_leg{RadFromDeg(2.0), RadFromDeg(4.0), RadFromDeg(14.0), RadFromDeg(42.0)};   ///< in flight
+  LegPose right_leg{RadFromDeg(2.0), RadFromDeg(4.0), RadFromDeg(14.0), RadFromDeg(42.0)};  ///< in flight
+  double feet_apart = 0.0;  ///< by how much the stance is wider after it, mm
   bool arms_swing = true;
-  bool bounce = false;  ///< short and springy: hops in a row
+  bool bounce = false;  ///< short and springy: a series of hops
 };
-/// Crouches, flies and lands on both feet; returns when the body stands again.
+/// Crouches, jumps and lands on both feet; returns the time at which the body stands again.
 double DoJump(Stage& stage, double start, const Jump& jump);
 
 }  // namespace canonpose

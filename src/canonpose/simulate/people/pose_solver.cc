@@ -12,11 +12,11 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// A planted leg is not stretched further than this share of its length (a knee of about 9 degrees).
+// A planted leg is not stretched beyond this fraction of its length (a knee flexion of about 9 degrees).
 constexpr double kStretch = 0.9965;
-constexpr double kMaxKnee = Deg(148.0);
-constexpr double kMaxElbow = Deg(145.0);
-constexpr double kMinElbow = Deg(3.0);
+constexpr double kMaxKnee = RadFromDeg(148.0);
+constexpr double kMaxElbow = RadFromDeg(145.0);
+constexpr double kMinElbow = RadFromDeg(3.0);
 
 // max(x, 0), rounded within +-width.
 double SoftPositive(double x, double width) {
@@ -41,10 +41,10 @@ Quaterniond FromRotationVector(const Vector3d& vector) {
 // Forward flexion, bend to the left and twist to the left as one rotation.
 Quaterniond Bend(double flex, double side, double twist) { return FromRotationVector({-side, flex, twist}); }
 
-// The rotation by the shortest way from straight down to a unit direction; straight up is the only singular one.
+// The smallest rotation from straight down to a unit direction; only straight up is singular.
 Quaterniond FromDown(const Vector3d& direction) { return Quaterniond::FromTwoVectors(Vector3d(0, 0, -1), direction); }
 
-// Angle at the middle joint of two links whose ends are `distance` apart; 0 where they are straight.
+// Angle at the middle joint of two links whose ends are `distance` apart; 0 if they are straight.
 double BendOf(double first, double second, double distance) {
   const double cosine = (first * first + second * second - distance * distance) / (2 * first * second);
   return kPi - std::acos(std::clamp(cosine, -1.0, 1.0));
@@ -52,7 +52,7 @@ double BendOf(double first, double second, double distance) {
 double DistanceAt(double first, double second, double bend) {
   return std::sqrt(first * first + second * second + 2 * first * second * std::cos(bend));
 }
-// A distance that two links can span with a bend from a little to `max_bend`.
+// A distance that two links can span with a bend between a small one and `max_bend`.
 double SpannableDistance(double first, double second, double distance, double max_bend) {
   const double length = first + second;
   return SoftClamp(distance, DistanceAt(first, second, max_bend), 0.998 * length, 0.014 * length);
@@ -77,7 +77,7 @@ class Solver {
  public:
   explicit Solver(const Stage& stage) : stage_(stage), body_(stage.body()) { tall_ = body_.stature; }
 
-  // Everything but the arms' last rotations, which StoreArms() adds for all frames together.
+  // Everything except the arms' final rotations, which StoreArms() adds for all frames together.
   void Solve(int frame, double lowered, Vector3d& root, Quaterniond* local) {
     frame_ = static_cast<std::size_t>(frame);
     local_ = local;
@@ -89,7 +89,7 @@ class Solver {
     for (const int side : {kLeft, kRight}) SolveArm(side);
   }
 
-  // Giving way is smoothed over time: an arm swerves ahead of what is in its way.
+  // Avoiding obstacles is smoothed over time, so that an arm starts to swerve before it reaches them.
   void StoreArms(std::vector<Quaterniond>& local) {
     const int half = std::max(1, static_cast<int>(std::lround(0.10 * stage_.fps())));
     std::vector<double> kernel;
@@ -112,7 +112,7 @@ class Solver {
     }
   }
 
-  // How far the pelvis has to come down for the planted feet to be reached.
+  // How far the pelvis must be lowered for the legs to reach the planted feet.
   double Deficit(int frame) {
     frame_ = static_cast<std::size_t>(frame);
     SolvePelvis(0.0);
@@ -148,12 +148,12 @@ class Solver {
     return pelvis_ + world_from_pelvis_ * Vector3d(0, SideSign(side) * body_.hip_width / 2, 0);
   }
 
-  // The foot on the ground rolls over the ball where the heel is up and over the heel where the toes are.
+  // A foot on the ground rolls over the ball when the heel is up, and over the heel when the toes are up.
   [[nodiscard]] Foot PlantedFoot(int side, double extra_pitch) const {
     const std::size_t i = Body::Index(side);
     if (stage_.boots()) return SkiBoot(side);
     const double pitch = Get(Of(kFootPitch, side)) + extra_pitch;
-    constexpr double kWidth = Deg(4.0);
+    constexpr double kWidth = RadFromDeg(4.0);
     const double heel_up = (pitch + std::sqrt(pitch * pitch + kWidth * kWidth) - kWidth) / 2;
     const double height = body_.ankle_height[i];
     const double lift = Get(Of(kFootLift, side));
@@ -168,11 +168,11 @@ class Solver {
     foot.ankle = Vector3d(Get(Of(kFootX, side)), Get(Of(kFootY, side)), lift + height) + yaw * ankle;
     foot.world_from_foot = yaw * AboutY(pitch) * AboutX(-Get(Of(kFootRoll, side)));
     const double grounded = std::exp(-std::max(lift, 0.0) / (0.025 * tall_));
-    foot.toe_bend = std::min(heel_up * grounded, Deg(60.0));
+    foot.toe_bend = std::min(heel_up * grounded, RadFromDeg(60.0));
     return foot;
   }
 
-  // The channels are the ankle itself.
+  // The channels give the position of the ankle itself.
   [[nodiscard]] Foot SkiBoot(int side) const {
     Foot foot;
     foot.ankle = {Get(Of(kFootX, side)), Get(Of(kFootY, side)), Get(Of(kFootLift, side))};
@@ -186,9 +186,9 @@ class Solver {
   [[nodiscard]] Vector3d FreeAnkle(int side) const {
     const std::size_t i = Body::Index(side);
     const double sign = SideSign(side);
-    const double flex = SoftClamp(Get(Of(kLegFlex, side)), Deg(-40.0), Deg(125.0), Deg(8.0));
-    const double abd = SoftClamp(Get(Of(kLegAbd, side)), Deg(-32.0), Deg(75.0), Deg(6.0));
-    const double knee = SoftClamp(Get(Of(kKnee, side)), Deg(2.0), kMaxKnee, Deg(2.0));
+    const double flex = SoftClamp(Get(Of(kLegFlex, side)), RadFromDeg(-40.0), RadFromDeg(125.0), RadFromDeg(8.0));
+    const double abd = SoftClamp(Get(Of(kLegAbd, side)), RadFromDeg(-32.0), RadFromDeg(75.0), RadFromDeg(6.0));
+    const double knee = SoftClamp(Get(Of(kKnee, side)), RadFromDeg(2.0), kMaxKnee, RadFromDeg(2.0));
     const Quaterniond swing = FromRotationVector({sign * abd, -flex, 0});
     const double distance = DistanceAt(body_.thigh[i], body_.shank[i], knee);
     return HipOf(side) + world_from_pelvis_ * (swing * Vector3d(0, 0, -distance));
@@ -203,7 +203,7 @@ class Solver {
     const double distance = SpannableDistance(body_.thigh[i], body_.shank[i], leg.norm(), kMaxKnee);
     double twist = Get(Of(kLegTwist, side));
     twist += (1.0 - Free(side)) * 0.75 * sign * (Get(Of(kFootYaw, side)) - Get(kPelvisYaw));
-    twist = SoftClamp(twist, Deg(-42.0), Deg(62.0), Deg(8.0));
+    twist = SoftClamp(twist, RadFromDeg(-42.0), RadFromDeg(62.0), RadFromDeg(8.0));
     const Vector3d front = FromDown(along) * (AboutZ(sign * twist) * Vector3d::UnitX());
     const double knee = BendOf(body_.thigh[i], body_.shank[i], distance);
     // Angle at the hip between the thigh and the line to the ankle.
@@ -216,7 +216,7 @@ class Solver {
     return world_from_pelvis_ * local_[hip_joint] * local_[hip_joint + 1];
   }
 
-  // How far a foot in the air would be under the ground.
+  // How far a foot in the air would be below the ground.
   [[nodiscard]] double Sunken(int side, const Vector3d& ankle, const Quaterniond& world_from_foot) const {
     const std::size_t i = Body::Index(side);
     const double height = body_.ankle_height[i];
@@ -234,13 +234,13 @@ class Solver {
       // An ankle bends up to about 32 degrees; then the heel comes off the ground.
       const Vector3d shank = foot.world_from_foot.conjugate() * (world_from_shank * Vector3d::UnitZ());
       const double tilt = std::atan2(shank.x(), std::max(shank.z(), 0.2));
-      const double extra = (1.0 - free) * SoftPositive(tilt - Deg(30.0), Deg(8.0));
+      const double extra = (1.0 - free) * SoftPositive(tilt - RadFromDeg(30.0), RadFromDeg(8.0));
       if (extra > 0.0) {
         foot = PlantedFoot(side, extra);
         world_from_shank = BendLeg(side, (1.0 - free) * foot.ankle + free * free_ankle);
       }
     }
-    const double plantar = SoftClamp(Get(Of(kAnkle, side)), Deg(-28.0), Deg(62.0), Deg(6.0));
+    const double plantar = SoftClamp(Get(Of(kAnkle, side)), RadFromDeg(-28.0), RadFromDeg(62.0), RadFromDeg(6.0));
     Quaterniond planted = world_from_shank.conjugate() * foot.world_from_foot;
     const int foot_joint = LegJoint(kBLFoot, side);
     if (free <= 0.0) {
@@ -259,21 +259,21 @@ class Solver {
   }
 
   void SolveTrunk() {
-    const double flex = SoftClamp(Get(kTrunkFlex), Deg(-38.0), Deg(82.0), Deg(8.0));
-    const double side = SoftClamp(Get(kTrunkSide), Deg(-42.0), Deg(42.0), Deg(6.0));
-    const double twist = SoftClamp(Get(kTrunkTwist), Deg(-55.0), Deg(55.0), Deg(8.0));
+    const double flex = SoftClamp(Get(kTrunkFlex), RadFromDeg(-38.0), RadFromDeg(82.0), RadFromDeg(8.0));
+    const double side = SoftClamp(Get(kTrunkSide), RadFromDeg(-42.0), RadFromDeg(42.0), RadFromDeg(6.0));
+    const double twist = SoftClamp(Get(kTrunkTwist), RadFromDeg(-55.0), RadFromDeg(55.0), RadFromDeg(8.0));
     local_[kBHip] = world_from_pelvis_;
     local_[kBLumbar] = Bend(0.55 * flex, 0.5 * side, 0.3 * twist);
     local_[kBSpine] = Bend(0.45 * flex, 0.5 * side, 0.7 * twist);
-    const double neck_flex = SoftClamp(Get(kNeckFlex), Deg(-55.0), Deg(52.0), Deg(8.0)) / 2;
-    const double neck_side = SoftClamp(Get(kNeckSide), Deg(-38.0), Deg(38.0), Deg(6.0)) / 2;
-    const double neck_twist = SoftClamp(Get(kNeckTwist), Deg(-76.0), Deg(76.0), Deg(8.0)) / 2;
+    const double neck_flex = SoftClamp(Get(kNeckFlex), RadFromDeg(-55.0), RadFromDeg(52.0), RadFromDeg(8.0)) / 2;
+    const double neck_side = SoftClamp(Get(kNeckSide), RadFromDeg(-38.0), RadFromDeg(38.0), RadFromDeg(6.0)) / 2;
+    const double neck_twist = SoftClamp(Get(kNeckTwist), RadFromDeg(-76.0), RadFromDeg(76.0), RadFromDeg(8.0)) / 2;
     local_[kBNeck] = Bend(neck_flex, neck_side, neck_twist);
     local_[kBUpperNeck] = Bend(neck_flex, neck_side, neck_twist);
     PlaceTrunk();
   }
 
-  // Positions of what arms may run into.
+  // Positions of the parts of the body that arms may run into.
   void PlaceTrunk() {
     const auto& joints = body_.joints;
     const Quaterniond lumbar = world_from_pelvis_ * local_[kBLumbar];
@@ -303,18 +303,18 @@ class Solver {
     double radius;
   };
 
-  // Moves a point of a limb of some thickness softly out of an obstacle.
+  // Smoothly moves a point of a limb of a certain thickness out of an obstacle.
   void PushOut(const Obstacle& obstacle, double thickness, Vector3d& point) const {
     const Vector3d axis = obstacle.to - obstacle.from;
     const double along = std::clamp((point - obstacle.from).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
     const Vector3d away = point - (obstacle.from + along * axis);
     const double distance = away.norm();
     const double depth = SoftPositive(obstacle.radius + thickness - distance, 0.012 * tall_);
-    // Rounded at the axis, where the way out changes sides.
+    // Smoothed at the axis, where the direction of avoidance changes sides.
     if (depth > 0.0) point += away * (depth / std::hypot(distance, 0.015 * tall_));
   }
 
-  // Elbow and wrist outside of trunk, head and thighs, the lengths kept.
+  // Moves elbow and wrist out of trunk, head and thighs while keeping the arm's lengths.
   void Evade(int side, const Vector3d& shoulder, Vector3d& elbow, Vector3d& wrist) const {
     const std::size_t i = Body::Index(side);
     for (int round = 0; round < 4; ++round) {
@@ -335,7 +335,7 @@ class Solver {
     if (!stage_.boots()) point.z() += SoftPositive(0.02 * tall_ - point.z(), 0.012 * tall_);
   }
 
-  // Bends the elbow so that the wrist is at a place, the elbow staying on the side where it was.
+  // Bends the elbow so that the wrist is at a place, and keeps the elbow on its side.
   void BringWrist(int side, const Vector3d& shoulder, const Vector3d& target, Vector3d& elbow, Vector3d& wrist) const {
     const std::size_t i = Body::Index(side);
     const double upper = body_.upper_arm[i];
@@ -343,7 +343,7 @@ class Solver {
     const Vector3d reach = target - shoulder;
     const Vector3d along = reach.normalized();
     const double distance = SpannableDistance(upper, fore, reach.norm(), kMaxElbow);
-    // Where the elbow was, and a little down and out, which is never along a straight arm for long.
+    // The elbow's previous direction, and a little down and out, which is rarely along a straight arm.
     const Vector3d pole = (elbow - shoulder) / upper + world_from_thorax_ * Vector3d(-0.5, 0.3 * SideSign(side), -0.5);
     const Vector3d out = (pole - pole.dot(along) * along).normalized();
     const double bend = BendOf(upper, fore, distance);
@@ -355,25 +355,27 @@ class Solver {
   Quaterniond ClavicleOf(int side, double flex, double abd) const {
     const double sign = SideSign(side);
     // The shoulder blade takes part in raising the arm.
-    const double raised = SoftPositive(std::hypot(flex, abd) - Deg(45.0), Deg(15.0));
-    const double up = SoftClamp(Get(Of(kShrug, side)) + 0.17 * raised, Deg(-8.0), Deg(34.0), Deg(4.0));
-    const double ahead = SoftClamp(Get(Of(kProtract, side)) + 0.12 * flex, Deg(-18.0), Deg(24.0), Deg(4.0));
+    const double raised = SoftPositive(std::hypot(flex, abd) - RadFromDeg(45.0), RadFromDeg(15.0));
+    const double up =
+        SoftClamp(Get(Of(kShrug, side)) + 0.17 * raised, RadFromDeg(-8.0), RadFromDeg(34.0), RadFromDeg(4.0));
+    const double ahead =
+        SoftClamp(Get(Of(kProtract, side)) + 0.12 * flex, RadFromDeg(-18.0), RadFromDeg(24.0), RadFromDeg(4.0));
     return AboutZ(-sign * ahead) * AboutX(sign * up);
   }
 
   void SolveArm(int side) {
     const std::size_t i = Body::Index(side);
     const double sign = SideSign(side);
-    double flex = SoftClamp(Get(Of(kShoulderFlex, side)), Deg(-62.0), Deg(176.0), Deg(8.0));
-    double abd = SoftClamp(Get(Of(kShoulderAbd, side)), Deg(-48.0), Deg(176.0), Deg(6.0));
+    double flex = SoftClamp(Get(Of(kShoulderFlex, side)), RadFromDeg(-62.0), RadFromDeg(176.0), RadFromDeg(8.0));
+    double abd = SoftClamp(Get(Of(kShoulderAbd, side)), RadFromDeg(-48.0), RadFromDeg(176.0), RadFromDeg(6.0));
     const double angle = std::hypot(flex, abd);
-    if (angle > Deg(160.0)) {
-      const double shrink = SoftClamp(angle, 0.0, Deg(174.0), Deg(6.0)) / angle;
+    if (angle > RadFromDeg(160.0)) {
+      const double shrink = SoftClamp(angle, 0.0, RadFromDeg(174.0), RadFromDeg(6.0)) / angle;
       flex *= shrink;
       abd *= shrink;
     }
-    const double twist = SoftClamp(Get(Of(kShoulderTwist, side)), Deg(-92.0), Deg(98.0), Deg(8.0));
-    const double bend = SoftClamp(Get(Of(kElbow, side)), kMinElbow, kMaxElbow - Deg(2.0), Deg(3.0));
+    const double twist = SoftClamp(Get(Of(kShoulderTwist, side)), RadFromDeg(-92.0), RadFromDeg(98.0), RadFromDeg(8.0));
+    const double bend = SoftClamp(Get(Of(kElbow, side)), kMinElbow, kMaxElbow - RadFromDeg(2.0), RadFromDeg(3.0));
     const Quaterniond clavicle = ClavicleOf(side, flex, abd);
     const int first = ArmJoint(kBLClavicle, side);
     const Vector3d shoulder =
@@ -389,7 +391,7 @@ class Solver {
       Vector3d elbow_there = elbow;
       Vector3d wrist_there = wrist;
       BringWrist(side, shoulder, hand, elbow_there, wrist_there);
-      // Between the two by the directions of upper arm and forearm.
+      // Interpolates between the two by the directions of upper arm and forearm.
       const Vector3d fore = (1.0 - weight) * (wrist - elbow) + weight * (wrist_there - elbow_there);
       elbow = shoulder + ((1.0 - weight) * elbow + weight * elbow_there - shoulder).normalized() * body_.upper_arm[i];
       wrist = elbow + fore.normalized() * body_.forearm[i];
@@ -404,7 +406,7 @@ class Solver {
     local_[first] = clavicle;
   }
 
-  // An arm in the world at one frame, and how it has to give way to the trunk.
+  // An arm in the world in one frame, and how it must avoid the trunk.
   struct ArmLine {
     Vector3d upper;
     Vector3d fore;
@@ -414,18 +416,18 @@ class Solver {
     Vector3d front;  // of the elbow when the arm is straight
   };
 
-  // Shorter than a unit direction, so that adding it never leaves no direction at all.
+  // Shorter than a unit vector, so that adding it to one never gives zero.
   static Vector3d Bounded(const Vector3d& evasion) { return evasion / std::sqrt(1.0 + evasion.squaredNorm() / 0.72); }
 
   // Rotations of shoulder and elbow from the directions of upper arm and forearm; `local` begins at the clavicle.
   static void StoreArm(const ArmLine& line, const Vector3d& upper, const Vector3d& fore, Quaterniond* local) {
     Vector3d front = fore - fore.dot(upper) * upper;
     const double bend = std::atan2(front.norm(), fore.dot(upper));
-    // A straight arm has no plane of its own, nor has one folded flat.
+    // Neither a straight arm nor a completely folded one defines a plane.
     const double flat = SoftPositive(-fore.dot(upper) - 0.75, 0.1);
     front = bend < 1e-5 ? line.front : Vector3d(front + 2.5 * flat * line.front);
     local[1] = line.world_from_clavicle.conjugate() * LimbFrame(upper, front);
-    local[2] = AboutY(-(bend - SoftPositive(bend - kMaxElbow + Deg(2.0), Deg(4.0))));
+    local[2] = AboutY(-(bend - SoftPositive(bend - kMaxElbow + RadFromDeg(2.0), RadFromDeg(4.0))));
   }
 
   const Stage& stage_;

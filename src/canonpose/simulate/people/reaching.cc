@@ -23,7 +23,7 @@ void Straighten(Stage& stage, double start, double duration) {
   stage.MoveTo(kSurge, start, duration, 0.0);
 }
 
-// A place in the world, seen from where the pelvis stands.
+// A place in the world, relative to the pelvis.
 struct Target {
   double ahead;
   double left;
@@ -34,7 +34,7 @@ void HandTo(Stage& stage, int side, double start, double duration, const Target&
   const Spot spot = FinalSpot(stage);
   const double x = spot.x + std::cos(spot.yaw) * target.ahead - std::sin(spot.yaw) * target.left;
   const double y = spot.y + std::sin(spot.yaw) * target.ahead + std::cos(spot.yaw) * target.left;
-  // Before the hand's place has any weight it may change at once.
+  // As long as the hand's place has no weight, it may change abruptly.
   const double begin = jump_there ? start - 0.03 : start;
   const double took = jump_there ? 0.02 : duration;
   stage.MoveTo(Of(kHandX, side), begin, took, x);
@@ -43,7 +43,7 @@ void HandTo(Stage& stage, int side, double start, double duration, const Target&
   if (jump_there) stage.MoveTo(Of(kHandWeight, side), start, duration, 1.0);
 }
 
-// Down to the floor, by bending the knees or the back, with one hand or both; what is picked up may be carried.
+// Picks something up from the floor, by bending the knees or the back, with one hand or both, and may carry it.
 double PickUp(Stage& stage, double t) {
   const bool both = stage.Chance(0.45);
   const int one = stage.RandomSide();
@@ -51,12 +51,12 @@ double PickUp(Stage& stage, double t) {
   const double down = stage.Beat(1.1);
   const double sink = stage.Tall(0.05 + 0.26 * knees);
   const double height = stage.Tall(stage.Uniform(0.02, 0.22));
-  const double bend = Deg(92.0 - 42.0 * knees) * (1.0 - 0.8 * height / stage.Tall(0.6));
+  const double bend = RadFromDeg(92.0 - 42.0 * knees) * (1.0 - 0.8 * height / stage.Tall(0.6));
   const double ahead = stage.Tall(stage.Uniform(0.14, 0.26));
   const double left = stage.Tall(stage.Uniform(-0.14, 0.14));
   stage.MoveTo(kPelvisZ, t, down, -sink);
   stage.MoveTo(kSurge, t, down, -0.3 * sink - stage.Tall(0.05) * (1.0 - knees));
-  BendTo(stage, t, down, 0.55 * bend, 0.55 * bend, 0.0, Deg(stage.Uniform(-20.0, 20.0)));
+  BendTo(stage, t, down, 0.55 * bend, 0.55 * bend, 0.0, RadFromDeg(stage.Uniform(-20.0, 20.0)));
   const double hold = stage.Uniform(0.1, 0.7);
   const double up = stage.Beat(1.1);
   const bool carries = stage.Chance(0.5);
@@ -84,35 +84,36 @@ double PickUp(Stage& stage, double t) {
   return t;
 }
 
-// To something at any height and side, the trunk going along.
+// Reaches for something at any height and on any side, with the trunk following.
 double ReachOut(Stage& stage, double t) {
   const bool both = stage.Chance(0.25);
   const int one = stage.RandomSide();
   const double out = stage.Beat(0.85);
   const double height = stage.Uniform(-0.75, 1.0);  // of the direction from the shoulder
-  const double aside = Deg(stage.Uniform(-50.0, 110.0));
+  const double aside = RadFromDeg(stage.Uniform(-50.0, 110.0));
   const double level = std::sqrt(std::max(0.0, 1.0 - height * height));
   const double low = std::max(0.0, -height);
   const double far = stage.Uniform(0.0, 1.0);
   const double sign = both ? 0.0 : SideSign(one);
   stage.MoveTo(kPelvisZ, t, out, -stage.Tall(0.01 + 0.10 * low * stage.Uniform(0.0, 1.0)));
-  BendTo(stage, t, out, Deg(6.0 + 30.0 * low) * far, Deg(8.0 + 28.0 * low) * far * std::cos(aside),
-         sign * Deg(24.0) * far * std::sin(aside), sign * Deg(34.0) * far * std::sin(aside - Deg(30.0)));
+  BendTo(stage, t, out, RadFromDeg(6.0 + 30.0 * low) * far, RadFromDeg(8.0 + 28.0 * low) * far * std::cos(aside),
+         sign * RadFromDeg(24.0) * far * std::sin(aside),
+         sign * RadFromDeg(34.0) * far * std::sin(aside - RadFromDeg(30.0)));
   if (height > 0.75 && stage.Chance(0.5)) {
     // On tiptoe.
     for (const int side : {kLeft, kRight}) {
-      stage.MoveTo(Of(kFootPitch, side), t, out, Deg(28.0));
+      stage.MoveTo(Of(kFootPitch, side), t, out, RadFromDeg(28.0));
       stage.MoveTo(Of(kFootPitch, side), t + out + 0.5, 0.7, 0.0);
     }
     stage.MoveTo(kPelvisZ, t, out, stage.Tall(0.025));
   }
   if (far > 0.5 && !both) ShiftWeight(stage, std::sin(aside) >= 0.0 ? one : 1 - one, t, out, 0.6);
   stage.MoveTo(kNeckTwist, t, 0.7 * out, sign * 0.5 * aside);
-  stage.MoveTo(kNeckFlex, t, out, stage.style().head_pitch - Deg(30.0) * height);
+  stage.MoveTo(kNeckFlex, t, out, stage.style().head_pitch - RadFromDeg(30.0) * height);
   const double reach = stage.Uniform(0.75, 0.98);
   for (const int side : {kLeft, kRight}) {
     if (!both && side != one) continue;
-    const double own = both ? Deg(stage.Uniform(-5.0, 12.0)) : aside;
+    const double own = both ? RadFromDeg(stage.Uniform(-5.0, 12.0)) : aside;
     const Eigen::Vector3d wrist = reach * Eigen::Vector3d(level * std::cos(own), level * std::sin(own), height) +
                                   Eigen::Vector3d(0.06, 0.04, 0.0);
     MoveArm(stage, side, t, out, ReachWith(stage.body(), wrist, {-0.3, 0.7, height > 0.5 ? 0.0 : -0.7}));
@@ -128,7 +129,7 @@ double ReachOut(Stage& stage, double t) {
   return t + back * stage.Uniform(0.5, 1.0);
 }
 
-// The arm in a throw at its three moments, and what the trunk does.
+// The arm at the three key moments of a throw, and the motion of the trunk.
 struct Throw {
   ArmAngles back;
   ArmAngles release;
@@ -142,37 +143,37 @@ struct Throw {
 
 Throw OverArm(Stage& stage) {
   const double e = stage.style().energy;
-  const double raised = Deg(stage.Uniform(-12.0, 22.0));
-  return {{Deg(-18.0), Deg(92.0) + raised, Deg(-70.0), Deg(stage.Uniform(85.0, 110.0))},
-          {Deg(70.0), Deg(75.0) + raised, Deg(10.0), Deg(22.0)},
-          {Deg(62.0), Deg(-28.0), Deg(60.0), Deg(35.0)},
-          -Deg(38.0) * e,
-          Deg(36.0) * e,
-          -Deg(14.0),
-          -Deg(10.0),
-          Deg(28.0) * e};
+  const double raised = RadFromDeg(stage.Uniform(-12.0, 22.0));
+  return {{RadFromDeg(-18.0), RadFromDeg(92.0) + raised, RadFromDeg(-70.0), RadFromDeg(stage.Uniform(85.0, 110.0))},
+          {RadFromDeg(70.0), RadFromDeg(75.0) + raised, RadFromDeg(10.0), RadFromDeg(22.0)},
+          {RadFromDeg(62.0), RadFromDeg(-28.0), RadFromDeg(60.0), RadFromDeg(35.0)},
+          -RadFromDeg(38.0) * e,
+          RadFromDeg(36.0) * e,
+          -RadFromDeg(14.0),
+          -RadFromDeg(10.0),
+          RadFromDeg(28.0) * e};
 }
 
 Throw UnderArm(Stage& stage) {
-  return {{-Deg(stage.Uniform(35.0, 55.0)), Deg(12.0), Deg(0.0), Deg(10.0)},
-          {Deg(50.0), Deg(5.0), Deg(-20.0), Deg(15.0)},
-          {Deg(stage.Uniform(90.0, 130.0)), Deg(-5.0), Deg(-20.0), Deg(40.0)},
-          -Deg(18.0),
-          Deg(15.0),
-          Deg(0.0),
-          Deg(18.0),
-          Deg(8.0)};
+  return {{-RadFromDeg(stage.Uniform(35.0, 55.0)), RadFromDeg(12.0), RadFromDeg(0.0), RadFromDeg(10.0)},
+          {RadFromDeg(50.0), RadFromDeg(5.0), RadFromDeg(-20.0), RadFromDeg(15.0)},
+          {RadFromDeg(stage.Uniform(90.0, 130.0)), RadFromDeg(-5.0), RadFromDeg(-20.0), RadFromDeg(40.0)},
+          -RadFromDeg(18.0),
+          RadFromDeg(15.0),
+          RadFromDeg(0.0),
+          RadFromDeg(18.0),
+          RadFromDeg(8.0)};
 }
 
 Throw SideArm(Stage& stage) {
-  return {{Deg(-30.0), Deg(70.0), Deg(-40.0), Deg(stage.Uniform(25.0, 60.0))},
-          {Deg(60.0), Deg(65.0), Deg(20.0), Deg(15.0)},
-          {Deg(75.0), Deg(-20.0), Deg(50.0), Deg(45.0)},
-          -Deg(45.0),
-          Deg(42.0),
-          Deg(0.0),
-          Deg(5.0),
-          Deg(12.0)};
+  return {{RadFromDeg(-30.0), RadFromDeg(70.0), RadFromDeg(-40.0), RadFromDeg(stage.Uniform(25.0, 60.0))},
+          {RadFromDeg(60.0), RadFromDeg(65.0), RadFromDeg(20.0), RadFromDeg(15.0)},
+          {RadFromDeg(75.0), RadFromDeg(-20.0), RadFromDeg(50.0), RadFromDeg(45.0)},
+          -RadFromDeg(45.0),
+          RadFromDeg(42.0),
+          RadFromDeg(0.0),
+          RadFromDeg(5.0),
+          RadFromDeg(12.0)};
 }
 
 double DoThrow(Stage& stage, double t) {
@@ -186,7 +187,7 @@ double DoThrow(Stage& stage, double t) {
   const double follow = stage.Uniform(0.28, 0.42);
   const double stride = stage.Tall(stage.Uniform(0.10, 0.30));
   const double release = t + wind + 0.15 + fling;
-  // Twisting away from the other side: to the right for a right-handed throw.
+  // Twists towards the throwing side: to the right for a right-handed throw.
   stage.MoveTo(kTrunkTwist, t, wind, sign * -way.twist_back);
   stage.MoveTo(kNeckTwist, t, wind, sign * 0.8 * way.twist_back);
   stage.MoveTo(kTrunkSide, t, wind, sign * way.side);
@@ -194,8 +195,8 @@ double DoThrow(Stage& stage, double t) {
   MoveArm(stage, side, t, wind, way.back);
   MoveArm(stage, other, t, wind, stage.Chance(0.6) ? AnglesOf(stage, ArmPose::kPointAhead) : RandomArm(stage));
   if (stage.Chance(0.3)) {
-    const double lift = Deg(stage.Uniform(35.0, 75.0));
-    LiftLeg(stage, other, t + 0.1, 0.45, {lift, Deg(2.0), Deg(75.0)});
+    const double lift = RadFromDeg(stage.Uniform(35.0, 75.0));
+    LiftLeg(stage, other, t + 0.1, 0.45, {lift, RadFromDeg(2.0), RadFromDeg(75.0)});
     LowerLeg(stage, other, t + wind - 0.1, 0.4);
   }
   StepBy(stage, other, t + wind - 0.2, 0.45, stride, 0.0, 0.0);
@@ -210,7 +211,7 @@ double DoThrow(Stage& stage, double t) {
   MoveArm(stage, side, release - fling, fling, way.release);
   MoveArm(stage, side, release - 0.06, follow, way.after);
   MoveArm(stage, other, begin, 0.5, HangingArm(stage));
-  stage.MoveTo(Of(kFootPitch, side), begin, 0.5, Deg(stage.Uniform(10.0, 45.0)));
+  stage.MoveTo(Of(kFootPitch, side), begin, 0.5, RadFromDeg(stage.Uniform(10.0, 45.0)));
   t = release + follow + stage.Uniform(0.0, 0.4);
   const double back = stage.Beat(0.8);
   Straighten(stage, t, back);
@@ -220,7 +221,7 @@ double DoThrow(Stage& stage, double t) {
   return t + 0.6 * back;
 }
 
-// With both hands: from behind the head, from the chest, or as one who catches.
+// With both hands: from behind the head, from the chest, or catching.
 double ThrowWithBoth(Stage& stage, double t) {
   const bool overhead = stage.Chance(0.55);
   const double wind = stage.Beat(0.7);
@@ -233,8 +234,8 @@ double ThrowWithBoth(Stage& stage, double t) {
     MoveArm(stage, side, t + wind + 0.1, fling, out);
     MoveArm(stage, side, t + wind + fling + 0.35, 0.8, HangingArm(stage));
   }
-  stage.MoveTo(kTrunkFlex, t, wind, stage.style().trunk_lean - Deg(overhead ? 18.0 : 2.0));
-  stage.MoveTo(kTrunkFlex, t + wind, fling + 0.2, stage.style().trunk_lean + Deg(stage.Uniform(5.0, 30.0)));
+  stage.MoveTo(kTrunkFlex, t, wind, stage.style().trunk_lean - RadFromDeg(overhead ? 18.0 : 2.0));
+  stage.MoveTo(kTrunkFlex, t + wind, fling + 0.2, stage.style().trunk_lean + RadFromDeg(stage.Uniform(5.0, 30.0)));
   stage.MoveTo(kTrunkFlex, t + wind + fling + 0.4, 0.8, stage.style().trunk_lean);
   stage.Bump(kPelvisZ, t + 0.2, wind, -knees);
   return t + wind + fling + 0.9;

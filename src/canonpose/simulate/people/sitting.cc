@@ -1,4 +1,4 @@
-// Sitting down on chairs and on the ground, being seated, standing up.
+// Sitting down on chairs and on the ground, sitting, and standing up.
 #include <cmath>
 
 #include "canonpose/simulate/people/activities.h"
@@ -14,7 +14,7 @@ void Lean(Stage& stage, double start, double duration, double pitch, double flex
   stage.MoveTo(kNeckFlex, start, duration, stage.style().head_pitch - 0.45 * (pitch + flex));
 }
 
-// Wrists on the thighs; the thighs themselves keep them out.
+// Wrists on the thighs, which keep the wrists out of themselves.
 ArmAngles HandOnThigh(Stage& stage) {
   const double arm = stage.body().arm(kLeft);
   const double trunk = stage.body().trunk;
@@ -28,29 +28,30 @@ void HandsToLap(Stage& stage, double t) {
   for (const int side : {kLeft, kRight}) MoveArm(stage, side, t, stage.Beat(0.8), HandOnThigh(stage));
 }
 
-// One leg over the other, or the ankle on the other knee; returns when the foot is down again.
+// One leg over the other, or the ankle on the other knee; returns the time at which the foot is down again.
 void CrossLegs(Stage& stage, double t, double until) {
   const int side = stage.RandomSide();
-  stage.MoveTo(Of(kLegFlex, side), t - 0.03, 0.03, Deg(48.0) + stage.Final(kPelvisPitch));
-  stage.MoveTo(Of(kLegAbd, side), t - 0.03, 0.03, Deg(3.0));
-  stage.MoveTo(Of(kKnee, side), t - 0.03, 0.03, Deg(88.0));
+  stage.MoveTo(Of(kLegFlex, side), t - 0.03, 0.03, RadFromDeg(48.0) + stage.Final(kPelvisPitch));
+  stage.MoveTo(Of(kLegAbd, side), t - 0.03, 0.03, RadFromDeg(3.0));
+  stage.MoveTo(Of(kKnee, side), t - 0.03, 0.03, RadFromDeg(88.0));
   stage.MoveTo(Of(kFree, side), t, 0.5, 1.0);
   const double duration = stage.Beat(1.0);
   const double pitch = stage.Final(kPelvisPitch);
   const bool figure_four = stage.Chance(0.4);
   if (figure_four) {
     MoveLeg(stage, side, t + 0.05, duration,
-            {Deg(74.0) + pitch, Deg(-12.0), Deg(108.0), Deg(10.0), Deg(stage.Uniform(48.0, 60.0))});
+            {RadFromDeg(74.0) + pitch, RadFromDeg(-12.0), RadFromDeg(108.0), RadFromDeg(10.0),
+             RadFromDeg(stage.Uniform(48.0, 60.0))});
   } else {
-    MoveLeg(
-        stage, side, t + 0.05, duration,
-        {Deg(70.0) + pitch, Deg(stage.Uniform(-22.0, -15.0)), Deg(stage.Uniform(70.0, 85.0)), Deg(28.0), Deg(-6.0)});
-    stage.Swing(Of(kKnee, side), t + duration, std::max(0.5, until - t - duration), stage.Uniform(0.4, 1.5), Deg(4.0),
-                0.0);
+    MoveLeg(stage, side, t + 0.05, duration,
+            {RadFromDeg(70.0) + pitch, RadFromDeg(stage.Uniform(-22.0, -15.0)), RadFromDeg(stage.Uniform(70.0, 85.0)),
+             RadFromDeg(28.0), RadFromDeg(-6.0)});
+    stage.Swing(Of(kKnee, side), t + duration, std::max(0.5, until - t - duration), stage.Uniform(0.4, 1.5),
+                RadFromDeg(4.0), 0.0);
   }
-  stage.Bump(Of(kLegFlex, side), t + 0.05, duration, Deg(14.0));
-  MoveLeg(stage, side, until, 0.8, {Deg(50.0) + pitch, Deg(4.0), Deg(88.0), Deg(5.0)});
-  stage.Bump(Of(kLegFlex, side), until, 0.8, Deg(14.0));
+  stage.Bump(Of(kLegFlex, side), t + 0.05, duration, RadFromDeg(14.0));
+  MoveLeg(stage, side, until, 0.8, {RadFromDeg(50.0) + pitch, RadFromDeg(4.0), RadFromDeg(88.0), RadFromDeg(5.0)});
+  stage.Bump(Of(kLegFlex, side), until, 0.8, RadFromDeg(14.0));
   stage.MoveTo(Of(kFree, side), until + 0.3, 0.7, 0.0);
 }
 
@@ -68,9 +69,9 @@ void BeSeated(Stage& stage, double t, double until) {
     } else {
       // Bends forward, leans back, turns.
       const double duration = stage.Beat(1.0);
-      Lean(stage, t, duration, Deg(stage.Uniform(-22.0, 18.0)), Deg(stage.Uniform(-6.0, 42.0)));
-      stage.MoveTo(kTrunkTwist, t, duration, Deg(stage.Uniform(-32.0, 32.0)));
-      stage.MoveTo(kTrunkSide, t, duration, Deg(stage.Uniform(-16.0, 16.0)));
+      Lean(stage, t, duration, RadFromDeg(stage.Uniform(-22.0, 18.0)), RadFromDeg(stage.Uniform(-6.0, 42.0)));
+      stage.MoveTo(kTrunkTwist, t, duration, RadFromDeg(stage.Uniform(-32.0, 32.0)));
+      stage.MoveTo(kTrunkSide, t, duration, RadFromDeg(stage.Uniform(-16.0, 16.0)));
       t += duration * stage.Uniform(0.7, 1.5);
     }
     hands_free = t;
@@ -111,11 +112,11 @@ double SitOnChair(Stage& stage, double t, bool already) {
   const double home = stage.Final(kPelvisZ);
   stage.MoveTo(kPelvisZ, t, down, seat - stage.body().standing_hip_height());
   stage.MoveTo(kSurge, t - (already ? 0.0 : 0.1), down, -back);
-  const double pitch = Deg(stage.Uniform(-18.0, 6.0));
-  Lean(stage, t + 0.3 * down, 0.9 * down, pitch, Deg(stage.Uniform(4.0, 26.0)));
+  const double pitch = RadFromDeg(stage.Uniform(-18.0, 6.0));
+  Lean(stage, t + 0.3 * down, 0.9 * down, pitch, RadFromDeg(stage.Uniform(4.0, 26.0)));
   if (!already) {
-    stage.Bump(kPelvisPitch, t - 0.15, 1.15 * down, Deg(stage.Uniform(25.0, 48.0)));
-    stage.Bump(kTrunkFlex, t - 0.15, 1.15 * down, Deg(stage.Uniform(0.0, 15.0)));
+    stage.Bump(kPelvisPitch, t - 0.15, 1.15 * down, RadFromDeg(stage.Uniform(25.0, 48.0)));
+    stage.Bump(kTrunkFlex, t - 0.15, 1.15 * down, RadFromDeg(stage.Uniform(0.0, 15.0)));
   }
   HandsToLap(stage, t + 0.3 * down);
   t += down + 0.2;
@@ -127,7 +128,7 @@ double SitOnChair(Stage& stage, double t, bool already) {
   const double up = stage.Beat(1.2);
   stage.MoveTo(kTrunkTwist, t, 0.5, 0.0);
   stage.MoveTo(kTrunkSide, t, 0.5, 0.0);
-  stage.Bump(kPelvisPitch, t - 0.1, 1.15 * up, Deg(stage.Uniform(30.0, 50.0)));
+  stage.Bump(kPelvisPitch, t - 0.1, 1.15 * up, RadFromDeg(stage.Uniform(30.0, 50.0)));
   Lean(stage, t + 0.2, up, 0.0, stage.style().trunk_lean);
   stage.MoveTo(kPelvisZ, t + 0.15, up, home);
   stage.MoveTo(kSurge, t + 0.10, up, 0.0);
@@ -144,53 +145,60 @@ struct GroundSeat {
 
 GroundSeat RandomGroundSeat(Stage& stage) {
   const double chance = stage.Uniform(0.0, 1.0);
-  const double pitch = Deg(stage.Uniform(-25.0, 2.0));
+  const double pitch = RadFromDeg(stage.Uniform(-25.0, 2.0));
   if (chance < 0.35) {
     // Tailor's seat.
-    const LegPose leg{Deg(86.0), Deg(6.0), Deg(stage.Uniform(108.0, 124.0)), Deg(25.0), Deg(62.0)};
-    return {leg, {leg.flex, leg.abd + Deg(4.0), leg.knee - Deg(16.0), leg.ankle, leg.twist}, pitch, Deg(25.0)};
+    const LegPose leg{RadFromDeg(86.0), RadFromDeg(6.0), RadFromDeg(stage.Uniform(108.0, 124.0)), RadFromDeg(25.0),
+                      RadFromDeg(62.0)};
+    return {leg,
+            {leg.flex, leg.abd + RadFromDeg(4.0), leg.knee - RadFromDeg(16.0), leg.ankle, leg.twist},
+            pitch,
+            RadFromDeg(25.0)};
   }
-  // Straight legs, one of them bent now and then.
-  const double spread = Deg(stage.Uniform(3.0, 28.0));
-  const LegPose straight{Deg(87.0), spread, Deg(stage.Uniform(5.0, 20.0)), Deg(15.0), Deg(10.0)};
-  const LegPose bent{Deg(86.0), Deg(6.0), Deg(stage.Uniform(70.0, 110.0)), Deg(20.0), Deg(stage.Uniform(-5.0, 15.0))};
+  // Straight legs, one of them sometimes bent.
+  const double spread = RadFromDeg(stage.Uniform(3.0, 28.0));
+  const LegPose straight{RadFromDeg(87.0), spread, RadFromDeg(stage.Uniform(5.0, 20.0)), RadFromDeg(15.0),
+                         RadFromDeg(10.0)};
+  const LegPose bent{RadFromDeg(86.0), RadFromDeg(6.0), RadFromDeg(stage.Uniform(70.0, 110.0)), RadFromDeg(20.0),
+                     RadFromDeg(stage.Uniform(-5.0, 15.0))};
   const bool left = stage.Chance(0.35);
   const bool right = stage.Chance(0.35);
-  return {left ? bent : straight, right ? bent : straight, pitch, Deg(stage.Uniform(5.0, 40.0))};
+  return {left ? bent : straight, right ? bent : straight, pitch, RadFromDeg(stage.Uniform(5.0, 40.0))};
 }
 
-// The legs' angles count from the pelvis, the ground does not pitch with it.
+// The legs' angles are relative to the pelvis, but the ground does not pitch with it.
 LegPose OnGround(LegPose pose, double pitch) {
   pose.flex += pitch;
   return pose;
 }
 
-// Down on the back from the ground, arms and legs moving, and up to the seat again.
+// From sitting on the ground down onto the back, with arms and legs moving, and up again.
 double LieDown(Stage& stage, double t) {
   const double down = stage.Beat(1.6);
-  const double pitch = -Deg(stage.Uniform(74.0, 84.0));
-  Lean(stage, t, down, pitch, Deg(stage.Uniform(0.0, 8.0)));
-  stage.MoveTo(kNeckFlex, t, down, Deg(stage.Uniform(-5.0, 25.0)));
+  const double pitch = -RadFromDeg(stage.Uniform(74.0, 84.0));
+  Lean(stage, t, down, pitch, RadFromDeg(stage.Uniform(0.0, 8.0)));
+  stage.MoveTo(kNeckFlex, t, down, RadFromDeg(stage.Uniform(-5.0, 25.0)));
   const double until = t + down + stage.Uniform(2.0, 6.0);
   for (double g = t; g < until - 1.2;) {
     const double duration = g > t ? stage.Beat(1.1) : down;
     for (const int side : {kLeft, kRight}) {
-      const double bent = stage.Chance(0.5) ? Deg(stage.Uniform(50.0, 110.0)) : Deg(stage.Uniform(5.0, 30.0));
-      const double raised = stage.Chance(0.25) ? Deg(stage.Uniform(10.0, 75.0)) : 0.0;
-      MoveLeg(
-          stage, side, g, duration,
-          {Deg(88.0) + pitch + raised, Deg(stage.Uniform(2.0, 22.0)), bent, Deg(25.0), Deg(stage.Uniform(-5.0, 30.0))});
+      const double bent =
+          stage.Chance(0.5) ? RadFromDeg(stage.Uniform(50.0, 110.0)) : RadFromDeg(stage.Uniform(5.0, 30.0));
+      const double raised = stage.Chance(0.25) ? RadFromDeg(stage.Uniform(10.0, 75.0)) : 0.0;
+      MoveLeg(stage, side, g, duration,
+              {RadFromDeg(88.0) + pitch + raised, RadFromDeg(stage.Uniform(2.0, 22.0)), bent, RadFromDeg(25.0),
+               RadFromDeg(stage.Uniform(-5.0, 30.0))});
       MoveArm(stage, side, g, duration, stage.Chance(0.5) ? RandomArm(stage) : HangingArm(stage));
     }
-    stage.MoveTo(kNeckTwist, g, duration, Deg(stage.Uniform(-40.0, 40.0)));
+    stage.MoveTo(kNeckTwist, g, duration, RadFromDeg(stage.Uniform(-40.0, 40.0)));
     g += duration * stage.Uniform(0.9, 1.6);
   }
   const double up = stage.Beat(1.5);
-  Lean(stage, until, up, Deg(-8.0), Deg(30.0));
-  stage.Bump(kTrunkFlex, until - 0.2, up, Deg(30.0));
+  Lean(stage, until, up, RadFromDeg(-8.0), RadFromDeg(30.0));
+  stage.Bump(kTrunkFlex, until - 0.2, up, RadFromDeg(30.0));
   stage.MoveTo(kNeckTwist, until, up, 0.0);
   for (const int side : {kLeft, kRight}) {
-    MoveLeg(stage, side, until, up, {Deg(80.0), Deg(6.0), Deg(60.0), Deg(20.0)});
+    MoveLeg(stage, side, until, up, {RadFromDeg(80.0), RadFromDeg(6.0), RadFromDeg(60.0), RadFromDeg(20.0)});
     MoveArm(stage, side, until, up, AnglesOf(stage, ArmPose::kForward));
   }
   return until + up;
@@ -203,8 +211,8 @@ double SitOnGround(Stage& stage, double t) {
   const double back = stage.Tall(0.26);
   stage.MoveTo(kPelvisZ, t, down, floor);
   stage.MoveTo(kSurge, t + 0.15, down - 0.1, -back);
-  Lean(stage, t + 0.4 * down, 0.6 * down, Deg(-8.0), Deg(30.0));
-  stage.Bump(kPelvisPitch, t, down, Deg(stage.Uniform(20.0, 38.0)));
+  Lean(stage, t + 0.4 * down, 0.6 * down, RadFromDeg(-8.0), RadFromDeg(30.0));
+  stage.Bump(kPelvisPitch, t, down, RadFromDeg(stage.Uniform(20.0, 38.0)));
   for (const int side : {kLeft, kRight}) {
     // Hands forward for balance, then to the knees.
     MoveArm(stage, side, t, 0.9, AnglesOf(stage, ArmPose::kForward));
@@ -214,8 +222,8 @@ double SitOnGround(Stage& stage, double t) {
   const double until = t + stage.Uniform(2.0, 6.0);
   GroundSeat seat = RandomGroundSeat(stage);
   for (const int side : {kLeft, kRight}) {
-    stage.MoveTo(Of(kLegFlex, side), t - 0.03, 0.03, Deg(86.0) + stage.Final(kPelvisPitch));
-    stage.MoveTo(Of(kKnee, side), t - 0.03, 0.03, Deg(110.0));
+    stage.MoveTo(Of(kLegFlex, side), t - 0.03, 0.03, RadFromDeg(86.0) + stage.Final(kPelvisPitch));
+    stage.MoveTo(Of(kKnee, side), t - 0.03, 0.03, RadFromDeg(110.0));
     stage.MoveTo(Of(kFree, side), t, 0.6, 1.0);
   }
   for (double g = t + 0.5; g < until - 0.5;) {
@@ -228,13 +236,14 @@ double SitOnGround(Stage& stage, double t) {
       g += duration;
     }
     g = MakeGesture(stage, g, stage.Uniform(0.7, 2.0));
-    if (stage.Chance(0.4)) stage.MoveTo(kTrunkTwist, g, 0.9, Deg(stage.Uniform(-30.0, 30.0)));
+    if (stage.Chance(0.4)) stage.MoveTo(kTrunkTwist, g, 0.9, RadFromDeg(stage.Uniform(-30.0, 30.0)));
   }
   t = until + 0.1;
   stage.MoveTo(kTrunkTwist, t, 0.8, 0.0);
   if (stage.Chance(0.45)) t = LieDown(stage, t);
   for (const int side : {kLeft, kRight}) {
-    MoveLeg(stage, side, t, 0.8, {Deg(86.0) + stage.Final(kPelvisPitch), Deg(4.0), Deg(108.0), Deg(5.0)});
+    MoveLeg(stage, side, t, 0.8,
+            {RadFromDeg(86.0) + stage.Final(kPelvisPitch), RadFromDeg(4.0), RadFromDeg(108.0), RadFromDeg(5.0)});
     stage.MoveTo(Of(kFree, side), t + 0.4, 0.6, 0.0);
     stage.MoveTo(Of(kLegTwist, side), t, 0.8, 0.0);
     MoveArm(stage, side, t + 0.3, 1.0, AnglesOf(stage, ArmPose::kForward));
@@ -244,7 +253,7 @@ double SitOnGround(Stage& stage, double t) {
   const double up = stage.Beat(1.7);
   stage.MoveTo(kSurge, t, 0.75 * up, 0.0);
   stage.MoveTo(kPelvisZ, t + 0.1 * up, up, home);
-  stage.Bump(kPelvisPitch, t, up, Deg(stage.Uniform(25.0, 45.0)));
+  stage.Bump(kPelvisPitch, t, up, RadFromDeg(stage.Uniform(25.0, 45.0)));
   Lean(stage, t + 0.3 * up, 0.8 * up, 0.0, stage.style().trunk_lean);
   return t + 1.1 * up + 0.1;
 }

@@ -18,28 +18,28 @@ struct SkierStyle {
   double heading;
   double turn_seconds;  // of one turn to one side
   double inclination;   // the largest
-  double stretch;       // of the outer leg, as a share of its length
+  double stretch;       // of the outer leg, as a fraction of its length
   double stretch_range;
   double stretch_phase;
   double crouch_pitch;  // of the pelvis
   double crouch_flex;   // of the trunk
-  double angulation;    // how much of the inclination the trunk takes back
-  double facing;        // how much of the turn the trunk takes back
+  double angulation;    // how much of the inclination the trunk compensates
+  double facing;        // how much of the turn the trunk compensates
   double width;         // between the feet, mm
   double lead;          // of the inner ski, mm
 };
 
 SkierStyle MakeSkier(Stage& stage) {
   SkierStyle skier{};
-  skier.slope = Deg(stage.Uniform(10.0, 27.0));
+  skier.slope = RadFromDeg(stage.Uniform(10.0, 27.0));
   skier.heading = stage.Uniform(-kPi, kPi);
   skier.turn_seconds = stage.Uniform(1.05, 1.9);
-  skier.inclination = Deg(stage.Uniform(36.0, 56.0));
+  skier.inclination = RadFromDeg(stage.Uniform(36.0, 56.0));
   skier.stretch = stage.Uniform(0.74, 0.83);
   skier.stretch_range = stage.Uniform(0.0, 0.035);
   skier.stretch_phase = stage.Uniform(-0.6, 0.6);
-  skier.crouch_pitch = Deg(stage.Uniform(2.0, 18.0));
-  skier.crouch_flex = Deg(stage.Uniform(12.0, 40.0));
+  skier.crouch_pitch = RadFromDeg(stage.Uniform(2.0, 18.0));
+  skier.crouch_flex = RadFromDeg(stage.Uniform(12.0, 40.0));
   skier.angulation = stage.Uniform(0.35, 0.7);
   skier.facing = stage.Uniform(0.2, 0.6);
   skier.width = stage.Tall(stage.Uniform(0.13, 0.20));
@@ -61,7 +61,8 @@ Angles AnglesOf(const Matrix3d& world_from_body) {
   return {std::atan2(front.y(), front.x()), pitch, roll};
 }
 
-// Where the skis are and how the turn presses, at one time; x is down the slope's horizontal, y to the left.
+// The position of the skis and the forces of the turn at one time; x is the horizontal direction down the slope, y is
+// to the left.
 struct Turn {
   Vector3d place;
   Vector3d front;   // along the skis
@@ -79,7 +80,7 @@ class Skier {
 
   void Ski() {
     const double rate = kPi / skier_.turn_seconds;
-    // Sideways amplitude for which the largest turn asks for the largest inclination.
+    // The lateral amplitude for which the sharpest turn requires the largest inclination.
     const double amplitude = kGravityMmPerS2 * std::cos(skier_.slope) * std::tan(skier_.inclination) / (rate * rate);
     const double speed = amplitude * rate * stage_.Uniform(1.6, 2.2);
     double phase = phase_;
@@ -99,7 +100,7 @@ class Skier {
       turn.front = (down_speed * downhill + Vector3d(0, across_speed, 0)).normalized();
       const double press = amplitude * size * own_rate * own_rate * std::sin(phase);
       turn.lean = -std::atan2(press, kGravityMmPerS2 * std::cos(skier_.slope));
-      turn.lean /= std::pow(1.0 + std::pow(turn.lean / Deg(62.0), 8.0), 1.0 / 8.0);
+      turn.lean /= std::pow(1.0 + std::pow(turn.lean / RadFromDeg(62.0), 8.0), 1.0 / 8.0);
       Write(f, turn, phase);
       phase += dt * own_rate;
       down += dt * down_speed;
@@ -109,7 +110,7 @@ class Skier {
  private:
   void Put(int channel, int frame, double value) { stage_[channel][static_cast<std::size_t>(frame)] += value; }
 
-  // Turned by the run's heading.
+  // Rotated by the run's heading.
   void PutPlace(int x, int y, int frame, const Vector3d& place) {
     Put(x, frame, std::cos(skier_.heading) * place.x() - std::sin(skier_.heading) * place.y());
     Put(y, frame, std::sin(skier_.heading) * place.x() + std::cos(skier_.heading) * place.y());
@@ -137,13 +138,13 @@ class Skier {
     // The outer hand lower, the inner one up, off the snow.
     for (const int side : {kLeft, kRight}) {
       const double inner = SideSign(side) * inside;
-      Put(Of(kShoulderAbd, side), frame, Deg(20.0) * inner + Deg(8.0) * inner * inner);
-      Put(Of(kShoulderFlex, side), frame, Deg(12.0) * inner);
+      Put(Of(kShoulderAbd, side), frame, RadFromDeg(20.0) * inner + RadFromDeg(8.0) * inner * inner);
+      Put(Of(kShoulderFlex, side), frame, RadFromDeg(12.0) * inner);
     }
   }
 
   void PutPelvis(int frame, const Turn& turn, double swing) {
-    // The pelvis leans less than the legs and looks down the slope a little.
+    // The pelvis leans less than the legs and faces slightly down the slope.
     const double lean = turn.lean * (1.0 - 0.25 * skier_.angulation);
     Matrix3d skis;
     skis.col(0) = turn.front;
@@ -162,7 +163,7 @@ class Skier {
   void PutBoot(int frame, int side, const Turn& turn, const Vector3d& left, const Vector3d& up) {
     const double sign = SideSign(side);
     const double inside = std::sin(turn.lean);
-    // Leaning, the feet stand apart along the slope; the inner ski is ahead.
+    // When leaning, the feet are apart along the slope, with the inner ski ahead.
     const double apart = sign * 0.5 * skier_.width * (1.0 + 0.6 * inside * inside);
     const double ahead = sign * inside * skier_.lead;
     const Vector3d ankle =
@@ -197,16 +198,16 @@ void PerformSki(Stage& stage) {
   skier.Ski();
   stage.Add(kTrunkFlex, skier.skier().crouch_flex);
   stage.Add(kNeckFlex, -0.55 * (skier.skier().crouch_flex + skier.skier().crouch_pitch));
-  stage.Waver(kTrunkFlex, Deg(5.0), 0.8);
-  // Hands forward and apart with the poles, each with its own habit; a pole plant where turns change.
+  stage.Waver(kTrunkFlex, RadFromDeg(5.0), 0.8);
+  // Hands with the poles forward and apart, each with its own habit; a pole plant between turns.
   for (const int side : {kLeft, kRight}) {
-    stage.Add(Of(kShoulderFlex, side), Deg(stage.Uniform(20.0, 48.0)));
-    stage.Add(Of(kShoulderAbd, side), Deg(stage.Uniform(12.0, 38.0)));
-    stage.Add(Of(kShoulderTwist, side), Deg(stage.Uniform(-15.0, 25.0)));
-    stage.Add(Of(kElbow, side), Deg(stage.Uniform(25.0, 70.0)));
-    stage.Waver(Of(kShoulderFlex, side), Deg(9.0), 1.0);
-    stage.Waver(Of(kShoulderAbd, side), Deg(7.0), 1.0);
-    stage.Waver(Of(kElbow, side), Deg(12.0), 1.0);
+    stage.Add(Of(kShoulderFlex, side), RadFromDeg(stage.Uniform(20.0, 48.0)));
+    stage.Add(Of(kShoulderAbd, side), RadFromDeg(stage.Uniform(12.0, 38.0)));
+    stage.Add(Of(kShoulderTwist, side), RadFromDeg(stage.Uniform(-15.0, 25.0)));
+    stage.Add(Of(kElbow, side), RadFromDeg(stage.Uniform(25.0, 70.0)));
+    stage.Waver(Of(kShoulderFlex, side), RadFromDeg(9.0), 1.0);
+    stage.Waver(Of(kShoulderAbd, side), RadFromDeg(7.0), 1.0);
+    stage.Waver(Of(kElbow, side), RadFromDeg(12.0), 1.0);
   }
 }
 

@@ -8,11 +8,11 @@ namespace {
 Style MakeStyle(const Body& body, Rng& rng) {
   Style style{};
   style.stance_half_width = body.hip_width / 2 * rng.Uniform(0.75, 1.35);
-  style.toe_out = Deg(rng.Uniform(-2.0, 18.0));
-  style.arm_carry = Deg(rng.Uniform(5.0, 16.0));
-  style.elbow_carry = Deg(rng.Uniform(8.0, 48.0));
-  style.trunk_lean = Deg(rng.Uniform(-7.0, 6.0));
-  style.head_pitch = Deg(rng.Uniform(-8.0, 14.0));
+  style.toe_out = RadFromDeg(rng.Uniform(-2.0, 18.0));
+  style.arm_carry = RadFromDeg(rng.Uniform(5.0, 16.0));
+  style.elbow_carry = RadFromDeg(rng.Uniform(8.0, 48.0));
+  style.trunk_lean = RadFromDeg(rng.Uniform(-7.0, 6.0));
+  style.head_pitch = RadFromDeg(rng.Uniform(-8.0, 14.0));
   style.tempo = rng.Uniform(0.78, 1.28);
   style.energy = rng.Uniform(0.7, 1.25);
   style.noise = rng.Uniform(0.5, 1.6);
@@ -120,10 +120,10 @@ void Stage::Waver(int channel, double amplitude, double hertz) {
   if (amplitude == 0.0) return;
   std::vector<double>& values = (*this)[channel];
   for (int wave = 0; wave < 3; ++wave) {
-    // Slow waves are larger, as in the sway of a standing person.
+    // Slower waves have larger amplitudes, as in the sway of a standing person.
     const double frequency = hertz * rng_.Uniform(0.1, 1.0);
     const double size = amplitude * 0.8 * rng_.Normal() / (0.6 + frequency / hertz);
-    // sin(a + b) from sin(a) by a rotation: one sine and cosine a wave and not one a frame.
+    // sin(a + b) from sin(a) by a rotation: one sine and cosine per wave instead of per frame.
     const double step = 2 * kPi * frequency / fps_;
     const double cosine = std::cos(step);
     const double sine = std::sin(step);
@@ -172,27 +172,27 @@ void StandNaturally(Stage& stage) {
   stage.Add(kTrunkFlex, style.trunk_lean);
   stage.Add(kNeckFlex, style.head_pitch - 0.5 * style.trunk_lean);
   stage.Add(kPelvisZ, -stage.Tall(stage.Uniform(-0.001, 0.006)));
-  for (const int channel : {kTrunkFlex, kTrunkSide, kTrunkTwist}) stage.Waver(channel, Deg(1.6) * n, 0.9);
-  for (const int channel : {kNeckFlex, kNeckSide}) stage.Waver(channel, Deg(2.2) * n, 0.9);
-  stage.Waver(kNeckTwist, Deg(4.0) * n, 0.7);
-  stage.Waver(kPelvisPitch, Deg(1.2) * n, 0.8);
-  stage.Waver(kPelvisRoll, Deg(0.8) * n, 0.8);
+  for (const int channel : {kTrunkFlex, kTrunkSide, kTrunkTwist}) stage.Waver(channel, RadFromDeg(1.6) * n, 0.9);
+  for (const int channel : {kNeckFlex, kNeckSide}) stage.Waver(channel, RadFromDeg(2.2) * n, 0.9);
+  stage.Waver(kNeckTwist, RadFromDeg(4.0) * n, 0.7);
+  stage.Waver(kPelvisPitch, RadFromDeg(1.2) * n, 0.8);
+  stage.Waver(kPelvisRoll, RadFromDeg(0.8) * n, 0.8);
   stage.Waver(kPelvisZ, stage.Tall(0.002) * n, 1.0);
   stage.Waver(kSway, stage.Tall(0.005) * n, 0.5);
   stage.Waver(kSurge, stage.Tall(0.005) * n, 0.5);
   for (const int side : {kLeft, kRight}) {
     stage.Add(Of(kShoulderAbd, side), style.arm_carry);
-    stage.Add(Of(kShoulderFlex, side), Deg(stage.Uniform(-5.0, 10.0)));
-    stage.Add(Of(kShoulderTwist, side), Deg(stage.Uniform(0.0, 35.0)));
+    stage.Add(Of(kShoulderFlex, side), RadFromDeg(stage.Uniform(-5.0, 10.0)));
+    stage.Add(Of(kShoulderTwist, side), RadFromDeg(stage.Uniform(0.0, 35.0)));
     stage.Add(Of(kElbow, side), style.elbow_carry * (1.0 + stage.Uniform(-0.3, 0.3)));
-    stage.Add(Of(kShrug, side), Deg(stage.Uniform(-4.0, 3.0)));
-    stage.Waver(Of(kShoulderFlex, side), Deg(2.5) * n, 1.0);
-    stage.Waver(Of(kShoulderAbd, side), Deg(1.8) * n, 1.0);
-    stage.Waver(Of(kShoulderTwist, side), Deg(4.0) * n, 1.0);
-    stage.Waver(Of(kElbow, side), Deg(3.5) * n, 1.1);
-    stage.Waver(Of(kShrug, side), Deg(1.2) * n, 0.7);
-    stage.Waver(Of(kProtract, side), Deg(1.5) * n, 0.7);
-    stage.Waver(Of(kLegTwist, side), Deg(1.5) * n, 0.7);
+    stage.Add(Of(kShrug, side), RadFromDeg(stage.Uniform(-4.0, 3.0)));
+    stage.Waver(Of(kShoulderFlex, side), RadFromDeg(2.5) * n, 1.0);
+    stage.Waver(Of(kShoulderAbd, side), RadFromDeg(1.8) * n, 1.0);
+    stage.Waver(Of(kShoulderTwist, side), RadFromDeg(4.0) * n, 1.0);
+    stage.Waver(Of(kElbow, side), RadFromDeg(3.5) * n, 1.1);
+    stage.Waver(Of(kShrug, side), RadFromDeg(1.2) * n, 0.7);
+    stage.Waver(Of(kProtract, side), RadFromDeg(1.5) * n, 0.7);
+    stage.Waver(Of(kLegTwist, side), RadFromDeg(1.5) * n, 0.7);
   }
 }
 
@@ -212,11 +212,11 @@ void LookAround(Stage& stage, double from, double to, double every_seconds) {
   for (double t = from + stage.Uniform(0.0, 1.0) * every_seconds; t < to;
        t += every_seconds * stage.Uniform(0.5, 1.6)) {
     const bool back = stage.Chance(0.35);
-    const double twist = back ? 0.0 : Deg(stage.Uniform(-62.0, 62.0));
+    const double twist = back ? 0.0 : RadFromDeg(stage.Uniform(-62.0, 62.0));
     const double duration = stage.Beat(0.5);
     stage.MoveTo(kNeckTwist, t, duration, 0.75 * twist);
-    stage.MoveTo(kNeckFlex, t, duration, home_flex + (back ? 0.0 : Deg(stage.Uniform(-20.0, 28.0))));
-    stage.MoveTo(kNeckSide, t, duration, back ? 0.0 : Deg(stage.Uniform(-14.0, 14.0)));
+    stage.MoveTo(kNeckFlex, t, duration, home_flex + (back ? 0.0 : RadFromDeg(stage.Uniform(-20.0, 28.0))));
+    stage.MoveTo(kNeckSide, t, duration, back ? 0.0 : RadFromDeg(stage.Uniform(-14.0, 14.0)));
     stage.MoveBy(kTrunkTwist, t, duration * 1.2, 0.2 * twist);
     stage.MoveBy(kTrunkTwist, t + duration + 0.4, 0.9, -0.2 * twist);
   }

@@ -1,4 +1,4 @@
-// Where a movement is written down: curves over time for everything that a body can do, layer upon layer.
+// The score of a movement: curves over time for everything that a body can do, in layers.
 //
 // Movements are sums of minimum-jerk strokes (Flash and Hogan 1985), which overlap freely and stay smooth to the second
 // derivative. Angles are radians; positions mm in the world.
@@ -6,22 +6,23 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "canonpose/base/random.h"
+#include "canonpose/geometry/angles.h"
 #include "canonpose/simulate/people/body.h"
 
 namespace canonpose {
 
 constexpr double kGravityMmPerS2 = 9810.0;
-constexpr double kPi = 3.14159265358979323846;
-constexpr double Deg(double degrees) { return degrees * kPi / 180.0; }
+constexpr double kPi = std::numbers::pi;
 
-/// What moves: the channels of the trunk, then those of the left limbs, then those of the right.
+/// The channels: those of the trunk, then those of the left limbs, then those of the right limbs.
 enum StageChannel : int {
-  kPelvisX,  ///< where the pelvis goes
+  kPelvisX,  ///< path of the pelvis
   kPelvisY,
-  kPelvisZ,      ///< height of the pelvis over standing straight, mm; negative is lower
+  kPelvisZ,      ///< height of the pelvis relative to standing straight, mm; negative is lower
   kPelvisYaw,    ///< counter-clockwise from above
   kPelvisPitch,  ///< forward
   kPelvisRoll,   ///< to the left
@@ -36,20 +37,20 @@ enum StageChannel : int {
   kFirstSideChannel,
 };
 enum SideChannel : int {
-  kShoulderFlex,   ///< forward; with the next the upper arm's rotation vector away from hanging
+  kShoulderFlex,   ///< forward; with kShoulderAbd the upper arm's rotation vector relative to hanging
   kShoulderAbd,    ///< away from the body
   kShoulderTwist,  ///< inwards about the upper arm
   kElbow,          ///< 0 straight
   kShrug,          ///< shoulder up
   kProtract,       ///< shoulder forward
-  kHandWeight,     ///< 0: the arm's angles; 1: the wrist is at the next three
+  kHandWeight,     ///< 0: the arm follows its angles; 1: the wrist is at kHandX, kHandY, kHandZ
   kHandX,
   kHandY,
   kHandZ,
-  kFree,      ///< 0: the foot is where the foot's channels say; 1: where the leg's angles say
-  kLegFlex,   ///< direction from hip to ankle forward of the pelvis' down
+  kFree,      ///< 0: the foot is placed by the foot's channels; 1: by the leg's angles
+  kLegFlex,   ///< direction from hip to ankle, forward from the pelvis' downward direction
   kLegAbd,    ///< away from the body
-  kLegTwist,  ///< knee outwards; added to what a planted foot demands
+  kLegTwist,  ///< knee outwards; added to what a planted foot requires
   kKnee,      ///< flexion, for a free leg
   kAnkle,     ///< plantar flexion, for a free leg
   kFootX,     ///< ankle of the flat foot
@@ -64,12 +65,12 @@ constexpr int kChannelCount = kFirstSideChannel + 2 * kSideChannelCount;
 
 constexpr int Of(SideChannel channel, int side) { return kFirstSideChannel + side * kSideChannelCount + channel; }
 
-/// 0 to 1 with zero velocity and acceleration at both ends; constant outside 0..1.
+/// From 0 to 1 with zero velocity and acceleration at both ends; constant outside 0..1.
 double MinimumJerk(double s);
-/// 0 to 1 and back to 0, smooth like MinimumJerk(); the top is at 0.5.
+/// From 0 to 1 and back to 0, as smooth as MinimumJerk(); the maximum is at 0.5.
 double SmoothBump(double s);
 
-/// A smooth curve that is nowhere below `values`: the maximum over a window, averaged over the same window twice.
+/// A smooth curve that is never below `values`: the maximum over a window, averaged twice over the same window.
 std::vector<double> SmoothCover(const std::vector<double>& values, int half_window);
 
 /// Position, velocity and acceleration of a channel at a time, for Quintic().
@@ -104,10 +105,10 @@ class Stage {
   [[nodiscard]] double fps() const { return fps_; }
   [[nodiscard]] int frames() const { return frames_; }
   [[nodiscard]] double seconds() const { return frames_ / fps_; }
-  /// Lengths relative to the body's stature, mm.
+  /// The length in mm of a fraction of the body's stature.
   [[nodiscard]] double Tall(double share) const { return share * body_.stature; }
 
-  /// Ski boots: toes do not bend, heels do not rise, and the foot's channels are the place of the ankle itself.
+  /// Ski boots: toes do not bend, heels do not rise, and the foot's channels give the position of the ankle itself.
   void WearBoots() { boots_ = true; }
   [[nodiscard]] bool boots() const { return boots_; }
 
@@ -117,25 +118,25 @@ class Stage {
 
   /// Adds a constant over the whole clip.
   void Add(int channel, double value);
-  /// A stroke from where the channel's strokes so far end to `value`.
+  /// A stroke from the end of the channel's strokes so far to `value`.
   void MoveTo(int channel, double start, double duration, double value);
   void MoveBy(int channel, double start, double duration, double change);
-  /// Where the channel's strokes so far end.
+  /// The channel's value after its strokes so far.
   [[nodiscard]] double Final(int channel) const { return final_[static_cast<std::size_t>(channel)]; }
-  /// There and back.
+  /// A stroke there and back.
   void Bump(int channel, double start, double duration, double height);
-  /// Swinging with a smooth beginning and end; the amplitude wavers.
+  /// Swinging with a smooth start and end and a varying amplitude.
   void Swing(int channel, double start, double duration, double hertz, double amplitude, double phase);
   /// Smooth random movement over the whole clip with frequencies up to `hertz`.
   void Waver(int channel, double amplitude, double hertz);
-  /// Fifth order curves through knots, added; nothing before the first knot, the last value after the last.
+  /// Adds fifth-order curves through knots: zero before the first knot, the last value after the last one.
   void Quintic(int channel, const std::vector<Knot>& knots);
 
-  /// A number from a range.
+  /// A random number in a range.
   double Uniform(double low, double high) { return rng_.Uniform(low, high); }
   bool Chance(double probability) { return rng_.Uniform() < probability; }
   int RandomSide() { return Chance(0.5) ? kLeft : kRight; }
-  /// A time that is `seconds` at the person's tempo, give or take.
+  /// A duration of about `seconds` at the person's tempo.
   double Beat(double seconds) { return seconds / style_.tempo * rng_.Uniform(0.85, 1.18); }
 
  private:
@@ -151,11 +152,12 @@ class Stage {
   std::array<double, kChannelCount> final_{};
 };
 
-/// Hanging arms, the posture of the person's style, and small movements on everything. Every activity begins with it.
+/// Hanging arms, the person's characteristic posture, and small movements of everything. Every activity starts with
+/// this.
 void StandNaturally(Stage& stage);
-/// Feet beside each other under the pelvis' place at the beginning.
+/// Places the feet side by side under the pelvis at the start.
 void PlaceFeet(Stage& stage, double half_width);
-/// Head (and a little of the trunk) turning to look around now and then.
+/// Turns the head (and the trunk a little) to look around occasionally.
 void LookAround(Stage& stage, double from, double to, double every_seconds);
 
 }  // namespace canonpose

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-struct Place {
+struct StandingPlace {
   Vector2d at;
   double yaw;
 };
@@ -29,14 +29,14 @@ class Planner {
   std::vector<Step> Plan() {
     std::vector<Step> steps;
     int side = stage_.RandomSide();
-    // The first step may have been under way before the clip.
+    // The first step may have started before the clip.
     double t = options_.from + (options_.from < 0.0 ? stage_.Uniform(0.0, 0.35) : 0.0);
     while (t < std::min(stage_.seconds(), options_.to)) {
       const double velocity = SpeedAt(t);
       const double hurry = velocity + TurnRateAt(t) * stage_.Tall(0.25);
       const Step step = Timing(side, t, hurry, velocity);
       if (hurry < 120.0) {
-        // Standing: whichever foot is worse off, and none where both are near enough.
+        // Standing: the foot that is farther off, or none if both are close enough.
         const double left = ErrorOf(kLeft, step);
         const double right = ErrorOf(kRight, step);
         if (std::max(left, right) < options_.patience_mm) {
@@ -55,7 +55,7 @@ class Planner {
   }
 
  private:
-  [[nodiscard]] Place PelvisAt(double t) const {
+  [[nodiscard]] StandingPlace PelvisAt(double t) const {
     return {{stage_.At(kPelvisX, t), stage_.At(kPelvisY, t)}, stage_.At(kPelvisYaw, t)};
   }
   [[nodiscard]] double SpeedAt(double t) const { return (PelvisAt(t + 0.25).at - PelvisAt(t - 0.05).at).norm() / 0.3; }
@@ -75,18 +75,18 @@ class Planner {
     return step;
   }
 
-  // Where the foot has to be for the middle of its next stance.
-  [[nodiscard]] Place Desired(const Step& step) const {
+  // The position of the foot for the middle of its next stance.
+  [[nodiscard]] StandingPlace Desired(const Step& step) const {
     const double end = step.start + 2 * step.interval;
     const double landing = step.start + step.swing;
-    // A little more of the stance lies behind the body: there the heel rises.
-    const Place pelvis = PelvisAt(landing + 0.42 * (end - landing));
+    // Slightly more of the stance is behind the body, where the heel rises.
+    const StandingPlace pelvis = PelvisAt(landing + 0.42 * (end - landing));
     const double sign = SideSign(step.side);
-    Place place;
+    StandingPlace place;
     place.yaw = pelvis.yaw + sign * options_.toe_out;
     place.at = pelvis.at + sign * options_.half_width * ToTheLeft(pelvis.yaw);
-    const Place& other = feet_[1 - step.side];
-    // Feet do not cross: what is left between them in the direction of the pelvis.
+    const StandingPlace& other = feet_[1 - step.side];
+    // Feet do not cross: the distance that remains between them, relative to the pelvis' heading.
     const double apart = sign * (place.at - other.at).dot(ToTheLeft(pelvis.yaw));
     const double least = std::min(1.2 * options_.half_width, stage_.Tall(0.06));
     if (apart < least) place.at += sign * (least - apart) * ToTheLeft(pelvis.yaw);
@@ -95,13 +95,13 @@ class Planner {
 
   [[nodiscard]] double ErrorOf(int side, Step step) const {
     step.side = side;
-    const Place desired = Desired(step);
+    const StandingPlace desired = Desired(step);
     return (desired.at - feet_[side].at).norm() + std::abs(desired.yaw - feet_[side].yaw) * stage_.Tall(0.14);
   }
 
   void Take(const Step& step) {
-    const Place from = feet_[step.side];
-    const Place to = Desired(step);
+    const StandingPlace from = feet_[step.side];
+    const StandingPlace to = Desired(step);
     feet_[step.side] = to;
     stage_.MoveTo(Of(kFootX, step.side), step.start, step.swing, to.at.x());
     stage_.MoveTo(Of(kFootY, step.side), step.start, step.swing, to.at.y());
@@ -128,7 +128,7 @@ class Planner {
   }
 
   // A foot passes the standing leg on the outside.
-  void GoAround(const Step& step, const Place& from, const Place& to) {
+  void GoAround(const Step& step, const StandingPlace& from, const StandingPlace& to) {
     const Vector2d other = feet_[1 - step.side].at;
     const Vector2d path = to.at - from.at;
     const double length = path.norm();
@@ -143,7 +143,7 @@ class Planner {
 
   Stage& stage_;
   const StepOptions& options_;
-  Place feet_[2];
+  StandingPlace feet_[2];
 };
 
 }  // namespace

@@ -11,13 +11,13 @@ struct StepOptions {
   bool running = false;
   double half_width = 0.0;  ///< mm from the line of walking to an ankle
   double toe_out = 0.0;
-  double lift = 0.03;            ///< of a swinging foot, as a share of the stature
-  double heel_rise = Deg(35.0);  ///< before the foot leaves the ground, at full speed forward
-  double toes_up = Deg(14.0);    ///< when it lands
-  double cadence = 1.0;          ///< steps a second relative to what is usual for the speed
-  double patience_mm = 60.0;     ///< a standing person does not correct a foot that is this little off
-  double lean_over = 0.010;      ///< sway of the pelvis over the standing leg, as a share of the stature
-  double from = -0.1;            ///< seconds; steps begin in this part of the clip
+  double lift = 0.03;                   ///< of a swinging foot, as a fraction of the stature
+  double heel_rise = RadFromDeg(35.0);  ///< before the foot leaves the ground, at full speed forward
+  double toes_up = RadFromDeg(14.0);    ///< when it lands
+  double cadence = 1.0;                 ///< steps per second, relative to the usual rate at this speed
+  double patience_mm = 60.0;            ///< a standing person does not correct a foot that is off by less than this
+  double lean_over = 0.010;             ///< sway of the pelvis over the standing leg, as a fraction of the stature
+  double from = -0.1;                   ///< seconds; steps start in this part of the clip
   double to = 1e9;
 };
 
@@ -29,12 +29,12 @@ struct Step {
   double speed;     ///< of the pelvis, mm/s
 };
 
-/// Steps that keep the feet under the pelvis along its path (kPelvisX, kPelvisY, kPelvisYaw), written to the foot
-/// channels, from feet placed by PlaceFeet(). While the pelvis rests so do the feet.
+/// Writes steps to the foot channels that keep the feet under the pelvis along its path (kPelvisX, kPelvisY,
+/// kPelvisYaw), starting with the feet placed by PlaceFeet(). While the pelvis rests, so do the feet.
 std::vector<Step> PlanSteps(Stage& stage, const StepOptions& options);
 
-/// How far the left foot is ahead of the right one, as a share of the stature, by frame: the phase of walking, for arms
-/// and trunk to swing by.
+/// How far the left foot is ahead of the right one in each frame, as a fraction of the stature: the phase of walking
+/// with which arms and trunk swing.
 std::vector<double> LeftFootAhead(const Stage& stage);
 
 }  // namespace canonpose

@@ -19,20 +19,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Legs of children to giants, with room for annotations that differ.
+/// Legs of children to very tall people, with a margin for differing annotations.
 constexpr double kShortestLegMm = 300.0;
 constexpr double kLongestLegMm = 1300.0;
-/// A leg bent by less than this share of its length does not tell to which side it bends.
+/// A leg bent by less than this fraction of its length does not show to which side it bends.
 constexpr double kBent = 0.01;
 constexpr int kFewestFrames = 5;
-constexpr double kMaxFrames = 0.75;
+/// The sides are clear where this fraction of the frames agrees on them.
+constexpr double kAgreeingFraction = 0.75;
 
-/// Joints of one pose by what they are.
+/// Joints of one pose by the part of the body that they are.
 class Pose {
  public:
   Pose(const Skeleton& layout, const float* values) : layout_(layout), values_(values) {}
 
-  /// NaN where the layout or the frame lacks it.
+  /// NaN where the layout or the frame lacks the joint.
   [[nodiscard]] Vector3d operator[](std::string_view part) const {
     const std::optional<int> joint = FindPart(layout_, part);
     if (!joint) return Vector3d::Constant(std::nan(""));
@@ -45,7 +46,7 @@ class Pose {
   const float* values_;
 };
 
-/// At most some hundred poses, evenly.
+/// A few hundred poses at most, evenly spaced.
 std::vector<Pose> SomePoses(const Skeleton& layout, const std::vector<float>& poses) {
   constexpr std::size_t kEnough = 400;
   const std::size_t size = layout.joints.size() * 3;
@@ -55,7 +56,7 @@ std::vector<Pose> SomePoses(const Skeleton& layout, const std::vector<float>& po
   return some;
 }
 
-/// How far both knees, and the nose, are ahead of where legs and head are, in legs; `right` points to the right.
+/// How far in front of legs and head both knees and the nose are, in lengths of a leg; `right` points to the right.
 double Ahead(const Pose& pose, const Vector3d& right) {
   const Vector3d hips = 0.5 * (pose["lhip"] + pose["rhip"]);
   const Vector3d shoulders = 0.5 * (pose["lshoulder"] + pose["rshoulder"]);
@@ -75,7 +76,7 @@ double Ahead(const Pose& pose, const Vector3d& right) {
   return ahead / leg_length;
 }
 
-/// Whether what is called right is left: true, false, or nothing where frames do not agree.
+/// Whether left and right are swapped: true, false, or nothing where the frames do not agree.
 std::optional<bool> IsSwapped(const Skeleton& layout, const std::vector<float>& poses, const char* left,
                               const char* right) {
   int ahead = 0;
@@ -87,15 +88,15 @@ std::optional<bool> IsSwapped(const Skeleton& layout, const std::vector<float>& 
   }
   const int total = ahead + behind;
   if (total < kFewestFrames) return std::nullopt;
-  if (ahead >= kMaxFrames * total) return false;
-  if (behind >= kMaxFrames * total) return true;
+  if (ahead >= kAgreeingFraction * total) return false;
+  if (behind >= kAgreeingFraction * total) return true;
   return std::nullopt;
 }
 
 }  // namespace
 
 PoseUnit DetectUnit(const Skeleton& layout, const std::vector<float>& poses, const std::string& file,
-                  const std::string& place) {
+                    const std::string& place) {
   std::vector<double> lengths;
   for (const Pose& pose : SomePoses(layout, poses)) {
     for (const char* const side : {"l", "r"}) {
@@ -113,12 +114,12 @@ PoseUnit DetectUnit(const Skeleton& layout, const std::vector<float>& poses, con
     if (leg_mm >= kShortestLegMm && leg_mm <= kLongestLegMm) return {mm_per_unit, name, leg_mm};
   }
   ThrowBadInput({file, place, fmt::format("legs of {:.0f} to {:.0f} mm, in mm, cm or m", kShortestLegMm, kLongestLegMm),
-                 fmt::format("legs of {:.3g} units", leg), "check that these are the benchmark's own poses"});
+                 fmt::format("legs of {:.3g} units", leg), "check that these are the benchmark's original poses"});
 }
 
 void ReportUnit(const PoseUnit& unit, const std::string& what) {
   if (unit.name != "mm") {
-    LogWarning("{} is in {}, by the length of legs; made mm", what, unit.name);
+    LogWarning("{} is in {}, by the length of legs; converted to mm", what, unit.name);
   } else if (unit.leg_mm > 0.0) {
     LogInfo("{} is in mm: legs are {:.0f} mm long", what, unit.leg_mm);
   }
@@ -142,7 +143,7 @@ void SideReport::Warn() const {
        {std::pair("left and right look", &all_), std::pair("left and right leg look", &legs_),
         std::pair("left and right arm look", &arms_)}) {
     if (names->empty()) continue;
-    LogWarning("{}{}: {} swapped, or knees bend backwards; check the order of the joints", names->front(),
+    LogWarning("{}{}: {} swapped, or the knees bend backwards; check the order of the joints", names->front(),
                names->size() > 1 ? fmt::format(" and {} more", names->size() - 1) : "", what);
   }
 }

@@ -1,4 +1,5 @@
-// What a body says about 3D poses whose file does not: their unit, and whether left and right are what they are called.
+// What anatomy reveals about 3D poses where their file does not say: their unit, and whether left and right are named
+// correctly.
 #pragma once
 
 #include <string>
@@ -11,33 +12,33 @@ namespace canonpose {
 struct PoseUnit {
   double mm_per_unit = 1.0;
   std::string name = "mm";  ///< "mm", "cm" or "m"
-  double leg_mm = 0.0;      ///< median length of a leg, hip to ankle; 0 where no frame has one
+  double leg_mm = 0.0;      ///< median length of a leg, hip to ankle; 0 if no frame has one
 };
 
-/// The unit of poses (T, J, 3) in joints of `layout`, by the length of legs: 300 to 1300 mm. NaN where unknown. Throws
-/// Error(kBadInput) naming file and place where no unit makes them human.
+/// The unit of poses (T, J, 3) with the joints of `layout`, NaN where unknown. It is the unit that makes legs 300 to
+/// 1300 mm long. Throws Error(kBadInput) that names file and place where no unit does.
 PoseUnit DetectUnit(const Skeleton& layout, const std::vector<float>& poses, const std::string& file,
-                  const std::string& place);
+                    const std::string& place);
 
-/// Says which unit `what` is in, and warns where it is not the mm that it should be.
+/// Logs the unit of `what`, and warns where it is not mm, as it should be.
 void ReportUnit(const PoseUnit& unit, const std::string& what);
 
-/// Which limbs are called by the other side's name. Knees bend forward and the nose points there; forward is where
-/// somebody looks whose right shoulder is right.
+/// Which limbs have the other side's name. Knees bend forward and the nose points forward, and left and right of a
+/// person follow from where forward is.
 struct SideCheck {
-  bool measured = false;  ///< whether enough frames tell anything
+  bool measured = false;  ///< whether enough frames could be used
   bool arms_swapped = false;
   bool legs_swapped = false;
 };
 
-/// Of poses (T, J, 3) in any right-handed frame and unit.
+/// Checks poses (T, J, 3) in any right-handed frame and unit.
 SideCheck CheckSides(const Skeleton& layout, const std::vector<float>& poses);
 
-/// Gathers the checks of many sequences, for one warning a kind rather than one a sequence.
+/// Collects the checks of many sequences, for one warning per kind instead of one per sequence.
 class SideReport {
  public:
   void Add(const SideCheck& sides, const std::string& what);
-  /// Warns where left and right are swapped, naming the first sequence and how many more.
+  /// Warns where left and right are swapped; names the first sequence and how many more there are.
   void Warn() const;
 
  private:

@@ -51,14 +51,15 @@ void BenchmarkOptions::Validate() const {
         std::pair("truth", !truth.empty()), std::pair("image_size", image_size[0] > 0), std::pair("fps", fps != 0.0)}) {
     const bool is_understood =
         std::find(benchmark->options.begin(), benchmark->options.end(), option) != benchmark->options.end();
-    if (is_given && !is_understood) ThrowInvalidArgument("`{}` has no meaning for {}", option, benchmark->name);
+    if (is_given && !is_understood) ThrowInvalidArgument("{1} does not support `{0}`", option, benchmark->name);
   }
   if (!truth.empty() && truth != "annot3" && truth != "univ_annot3") {
     ThrowInvalidArgument("`truth` is annot3 or univ_annot3, not \"{}\"", truth);
   }
   if (!std::isfinite(fps) || fps < 0.0) ThrowInvalidArgument("`fps` must be above 0, not {}", fps);
   if (!skeleton.empty() && skeleton != "native" && FindSkeleton(skeleton) == nullptr) {
-    ThrowInvalidArgument("there is no skeleton \"{}\"; there are {} and native", skeleton, BuiltinSkeletonNames());
+    ThrowInvalidArgument("there is no skeleton \"{}\"; the skeletons are {} and native", skeleton,
+                         BuiltinSkeletonNames());
   }
 }
 

@@ -1,4 +1,4 @@
-// The field's benchmarks as datasets: which there are, and what of the command line each understands.
+// The field's benchmarks as datasets: which there are, and which options each supports.
 #pragma once
 
 #include <array>
@@ -14,33 +14,33 @@ namespace canonpose {
 struct BenchmarkOptions {
   std::string format;  ///< "h36m", ...
   std::vector<std::filesystem::path> paths;
-  std::filesystem::path calibration;    ///< empty: none
-  std::string skeleton;                 ///< what to map to, "native" for the benchmark's own; empty: its usual one
-  std::string layout;                   ///< the joints' order, where a benchmark's files differ in it; empty: the usual
-  std::string truth;                    ///< "annot3" or "univ_annot3"; empty: what the field compares with
+  std::filesystem::path calibration;  ///< empty: none
+  std::string skeleton;  ///< the skeleton to map to, "native" for the benchmark's own; empty: its usual one
+  std::string layout;    ///< the order of the joints, where a benchmark's files differ in it; empty: the usual one
+  std::string truth;     ///< "annot3" or "univ_annot3"; empty: the one that the field compares with
   std::vector<std::string> cameras;     ///< by name, in the order of the file; empty: all
   std::array<int, 2> image_size{0, 0};  ///< 0: the benchmark's
   double fps = 0.0;                     ///< 0: the benchmark's, or unknown
 
-  /// Throws Error(kInvalidArgument), also for options that have no meaning for the benchmark.
+  /// Throws Error(kInvalidArgument), also for options that the benchmark does not support.
   void Validate() const;
 };
 
 struct BenchmarkFormat {
   std::string_view name;                  ///< as on the command line
-  std::vector<std::string_view> options;  ///< the options that it understands besides --skeleton and --cameras
+  std::vector<std::string_view> options;  ///< the fields that it supports besides `skeleton` and `cameras`
   Dataset (*import)(const BenchmarkOptions& options);
 };
 
 const std::vector<BenchmarkFormat>& BenchmarkFormats();
 
-/// By name, ignoring case; null where there is none.
+/// A benchmark by name, ignoring case; null if there is none.
 const BenchmarkFormat* FindBenchmarkFormat(std::string_view name);
 
 /// "h36m, canonpose-detections, ..."
 std::string BenchmarkFormatNames();
 
-/// The dataset of a benchmark's files; says in the log what it found and how it knew. Throws Error(kBadInput).
+/// Imports a benchmark's files; logs what it found and how it recognised it. Throws Error(kBadInput).
 Dataset ImportBenchmark(const BenchmarkOptions& options);
 
 }  // namespace canonpose

@@ -13,14 +13,14 @@ namespace {
 using namespace canonpose::testing;  // NOLINT: all of it is for these tests
 using ::testing::HasSubstr;
 
-TEST(BenchmarkTest, OptionsWithoutMeaningAreRefused) {
+TEST(BenchmarkTest, UnsupportedOptionsAreRefused) {
   const auto refusal = [](const std::string& format, auto change) {
     BenchmarkOptions options = Options(format, {"x"});
     change(options);
     return ErrorOf(ErrorKind::kInvalidArgument, [&] { options.Validate(); });
   };
   EXPECT_THAT(refusal("h36m", [](BenchmarkOptions& o) { o.truth = "annot3"; }),
-              HasSubstr("`truth` has no meaning for h36m"));
+              HasSubstr("h36m does not support `truth`"));
   EXPECT_THAT(refusal("h36m", [](BenchmarkOptions& o) { o.fps = 25; }), HasSubstr("`fps`"));
   EXPECT_THAT(refusal("skipose", [](BenchmarkOptions& o) { o.calibration = "x"; }), HasSubstr("`calibration`"));
   EXPECT_THAT(refusal("3dhp-train", [](BenchmarkOptions& o) { o.image_size = {1, 1}; }), HasSubstr("`image_size`"));

@@ -59,7 +59,7 @@ TEST(DamagedBenchmarks, CutAnywhere) {
   }
 }
 
-TEST(DamagedBenchmarks, BytesExchanged) {
+TEST(DamagedBenchmarks, BytesReplaced) {
   Rng rng(31);
   for (const Victim& victim : kVictims) {
     const std::string whole = ReadFile(TestData("benchmarks") / victim.file);

@@ -1,5 +1,5 @@
 // Shared by the tests of benchmarks: importing with the log, and comparing with what the script that made the files
-// computed by itself (testdata/make_benchmarks.py).
+// (testdata/make_benchmarks.py) computed independently.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "canonpose/base/testing.h"
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/npz.h"
 #include "canonpose/data/readers/benchmarks/anatomy.h"
 #include "canonpose/data/readers/benchmarks/benchmark.h"
 
@@ -73,7 +73,7 @@ inline void ExpectNear(const std::vector<float>& found, const std::filesystem::p
   }
 }
 
-/// The truth of a calibrated view, projected, is its keypoints.
+/// Checks that the truth of a calibrated view projects to its keypoints.
 inline void ExpectTruthProjects(const CameraView& view, int frames, double tolerance_px) {
   const std::size_t joints = view.confidence.size() / static_cast<std::size_t>(frames);
   for (std::size_t i = 0; i < view.confidence.size(); ++i) {

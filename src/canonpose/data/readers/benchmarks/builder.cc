@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-/// Poses (T, source joints, 3) as (T, target joints, 3): means of the sources, unknown where one is unknown.
+/// Maps poses (T, source joints, 3) to (T, target joints, 3): means of the sources, unknown where one of them is.
 std::vector<float> MapPoses(const std::vector<float>& poses, const LayoutMapping& mapping) {
   const std::size_t source_count = mapping.source.joints.size();
   const std::size_t frames = poses.size() / (3 * source_count);
@@ -56,8 +56,8 @@ void MapKeypoints(CameraView& view, const LayoutMapping& mapping) {
   view.confidence = std::move(confidence);
 }
 
-/// The mapping with copies where names are the same, letter by letter (3DHP's "head" is the centre of the head,
-/// Human3.6M's "Head" its top), and 3DHP's neck as the thorax.
+/// The mapping, with copies only where names are identical, including their case (3DHP's "head" is the centre of the
+/// head, Human3.6M's "Head" its top), and with 3DHP's neck as the thorax.
 void PreferOwnJoints(LayoutMapping& mapping) {
   for (std::size_t t = 0; t < mapping.joints.size(); ++t) {
     const std::string& joint = mapping.target.joints[t];
@@ -81,7 +81,7 @@ void ChooseCameras(Sequence& sequence, const std::vector<std::string>& wanted, c
   for (const std::string& name : wanted) {
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
     ThrowBadInput({file, sequence.name, fmt::format("camera {}, as `cameras` says", name),
-                   fmt::format("{}", fmt::join(names, ", ")), "name cameras that are there"});
+                   fmt::format("{}", fmt::join(names, ", ")), "choose from these cameras"});
   }
   KeepCameras(sequence, wanted);
 }
@@ -101,11 +101,11 @@ const Skeleton& BenchmarkLayout(const std::string& name) {
 }
 
 LayoutMapping MapBenchmark(const Skeleton& layout, const std::string& skeleton) {
-  LayoutMapping mapping = MapWhatCanBe(layout, ParseTrainingTarget(layout, skeleton));
+  LayoutMapping mapping = MapAvailableJoints(layout, ParseTrainingTarget(layout, skeleton));
   PreferOwnJoints(mapping);
   const bool is_whole = std::none_of(mapping.joints.begin(), mapping.joints.end(),
                                      [](const JointSource& joint) { return joint.sources.empty(); });
-  return is_whole ? mapping : MapLayout(layout, mapping.target);  // which says what is missing
+  return is_whole ? mapping : MapLayout(layout, mapping.target);  // throws, and names what is missing
 }
 
 std::vector<fs::path> FindFiles(const std::string& name, const std::vector<fs::path>& paths) {
@@ -133,7 +133,7 @@ BenchmarkBuilder::BenchmarkBuilder(const BenchmarkOptions& options, const Skelet
                                    const Skeleton& truth_layout, const std::string& usual_skeleton)
     : options_(options),
       keypoints_(MapBenchmark(keypoint_layout, options.skeleton.empty() ? usual_skeleton : options.skeleton)),
-      truth_(MapWhatCanBe(truth_layout, keypoints_.target)) {
+      truth_(MapAvailableJoints(truth_layout, keypoints_.target)) {
   PreferOwnJoints(truth_);
   dataset_.skeleton = keypoints_.target;
   dataset_.source.format = options.format;
@@ -143,9 +143,8 @@ BenchmarkBuilder::BenchmarkBuilder(const BenchmarkOptions& options, const Skelet
 
 void BenchmarkBuilder::Add(Sequence sequence, const std::filesystem::path& file) {
   if (!names_.insert(sequence.name).second) {
-    ThrowBadInput({file.string(), "", "sequences of different names",
-                   fmt::format("{} for the second time", sequence.name),
-                   "give every file once, in the benchmark's own folders"});
+    ThrowBadInput({file.string(), "", "sequences of different names", fmt::format("{} twice", sequence.name),
+                   "give every file once, in the benchmark's original folders"});
   }
   ChooseCameras(sequence, options_.cameras, file.string());
   for (CameraView& view : sequence.cameras) {
@@ -192,7 +191,7 @@ void RequireFinite(const std::vector<double>& values, std::size_t joints, std::s
   if (bad == values.end()) return;
   const auto at = static_cast<std::size_t>(bad - values.begin());
   ThrowBadInput({file, fmt::format("{}, row {}, joint {}", place, at / (joints * axes), at / axes % joints),
-                 "a coordinate", fmt::format("{}", *bad), "restore the file from a copy or make it again"});
+                 "a coordinate", fmt::format("{}", *bad), "restore the file from a copy or create it again"});
 }
 
 void RequirePixels(const std::vector<double>& keypoints, const std::string& file, const std::string& place) {
@@ -206,7 +205,7 @@ void RequirePixels(const std::vector<double>& keypoints, const std::string& file
 }
 
 h5::Array<double> ReadNumbers(const h5::Group& group, const std::string& name) {
-  constexpr std::size_t kBestCompression = 1100;  // of what HDF5 has; deflate reaches 1032
+  constexpr std::size_t kBestCompression = 1100;  // by HDF5's filters; deflate reaches 1032
   const std::size_t limit = kBestCompression * std::filesystem::file_size(group.file());
   const std::vector<std::size_t> shape = group.Shape(name);
   std::size_t count = 1;

@@ -1,4 +1,4 @@
-// What the readers of benchmarks share: mapping to a skeleton, choice of cameras, checks, and the report.
+// Shared by the readers of benchmarks: mapping to a skeleton, choosing cameras, checks, and reporting.
 #pragma once
 
 #include <filesystem>
@@ -13,32 +13,32 @@
 
 namespace canonpose {
 
-/// The benchmark's joint layout by name. Must be there.
+/// A joint layout of a benchmark by name; it must exist.
 const Skeleton& BenchmarkLayout(const std::string& name);
 
-/// How the joints of `layout` become those of `skeleton` ("native": the same). Joints of the same name are copies; the
-/// neck of MPI-INF-3DHP, at the height where Human3.6M's thorax is, becomes that. Throws Error(kBadInput) where joints
+/// How the joints of `layout` become those of `skeleton` ("native": the same). Joints of the same name are copies. The
+/// neck of MPI-INF-3DHP becomes Human3.6M's thorax, which is at the same height. Throws Error(kBadInput) where joints
 /// cannot be made.
 LayoutMapping MapBenchmark(const Skeleton& layout, const std::string& skeleton);
 
-/// The paths, with the files of this name that lie in a folder, or in folders within it, in its place; by name. Throws
+/// The paths, where each folder is replaced by the files of this name in it and in its sub-folders, sorted. Throws
 /// Error(kBadInput) where a folder has none.
 std::vector<std::filesystem::path> FindFiles(const std::string& name, const std::vector<std::filesystem::path>& paths);
 
-/// Gathers a benchmark's sequences in the joints that its files have into a dataset in those that are wanted.
+/// Builds a dataset with the requested joints from a benchmark's sequences, which have the joints of its files.
 class BenchmarkBuilder {
  public:
-  /// `usual_skeleton` is what to map to where the options name none. `truth_layout` may have other joints than
-  /// `keypoint_layout`; a joint of the skeleton that it lacks is unknown. Throws Error(kBadInput).
+  /// `usual_skeleton` is the one to map to where the options name none. `truth_layout` may have other joints than
+  /// `keypoint_layout`; the truth of a joint that it lacks is unknown. Throws Error(kBadInput).
   BenchmarkBuilder(const BenchmarkOptions& options, const Skeleton& keypoint_layout, const Skeleton& truth_layout,
                    const std::string& usual_skeleton);
 
-  /// A sequence whose keypoints are (T, joints of keypoint_layout, 2), and truth likewise. Keeps the cameras that are
-  /// wanted. `file` is where it is from, for messages. Throws Error(kBadInput) where its name was there before, or
-  /// where a wanted camera is not there.
+  /// Adds a sequence whose keypoints are (T, joints of keypoint_layout, 2), and truth likewise. Keeps only the
+  /// requested cameras. `file` is its source, for messages. Throws Error(kBadInput) where there is already a sequence
+  /// of that name, or a requested camera does not exist.
   void Add(Sequence sequence, const std::filesystem::path& file);
 
-  /// The dataset; says in the log what it has. `confidence_scale` is what confidences were divided by.
+  /// Returns the dataset and logs what it contains. `confidence_scale` is what confidences were divided by.
   Dataset Finish(double confidence_scale = 1.0);
 
  private:
@@ -49,19 +49,19 @@ class BenchmarkBuilder {
   Dataset dataset_;
 };
 
-/// Median distance in pixels between the keypoints of a view and its truth (both (T, joints), the same joints) in the
-/// image of `camera`; NaN where neither is known.
+/// Median distance in pixels between the keypoints of a view and its truth, projected by `camera` (both (T, joints),
+/// with the same joints); NaN where there is no joint to compare.
 double MedianProjectionError(const CameraView& view, const Camera& camera);
 
-/// Throws Error(kBadInput) at the first value that is no finite number; `row` and `joint` of it are told.
+/// Throws Error(kBadInput) at the first value that is not a finite number; the message has its row and joint.
 void RequireFinite(const std::vector<double>& values, std::size_t joints, std::size_t axes, const std::string& file,
                    const std::string& place);
 
 /// Throws Error(kBadInput) where keypoints, (T, joints, 2), are fractions of the image rather than pixels.
 void RequirePixels(const std::vector<double>& keypoints, const std::string& file, const std::string& place);
 
-/// Numbers of an HDF5 file of others. Throws Error(kBadInput) where it is not there, is no numbers, or claims a size
-/// that its file cannot hold.
+/// Reads an array of numbers from a foreign HDF5 file. Throws Error(kBadInput) where it does not exist, does not
+/// consist of numbers, or claims a size that exceeds its file.
 h5::Array<double> ReadNumbers(const h5::Group& group, const std::string& name);
 
 std::vector<float> ToFloats(const std::vector<double>& values, double scale = 1.0);

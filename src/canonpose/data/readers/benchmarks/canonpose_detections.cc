@@ -9,10 +9,10 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
+#include "canonpose/data/codecs/pickle.h"
 #include "canonpose/data/layout_check.h"
 #include "canonpose/data/person_tracking.h"
 #include "canonpose/data/readers/benchmarks/builder.h"
-#include "canonpose/data/readers/benchmarks/pickle.h"
 
 namespace canonpose {
 namespace {
@@ -21,7 +21,7 @@ constexpr std::size_t kDetectedJoints = 16;
 constexpr std::array<int, 2> kUsualSize{1000, 1002};
 constexpr const char* kUsualLayout = "canonpose-16";
 constexpr const char* kOtherLayout = "mpii-16";
-/// Another order is worth a warning where it explains the keypoints better by this factor.
+/// If another order explains the keypoints better by this factor, there is a warning.
 constexpr double kClearlyBetter = 1.25;
 
 /// One camera's keypoints of all subjects.
@@ -69,7 +69,7 @@ std::vector<Rows> ReadCameras(const pickle::Value& root, std::size_t count, cons
   return cameras;
 }
 
-/// All rows of all cameras, as the layout check takes them.
+/// All rows of all cameras, in the form for the layout check.
 std::vector<KeypointClip> ToClips(const std::vector<Rows>& cameras, const std::string& file) {
   std::vector<KeypointClip> clips;
   for (const Rows& rows : cameras) {
@@ -91,19 +91,19 @@ void CheckOrder(const std::vector<Rows>& cameras, const std::string& chosen, con
   const LayoutFit fit = MeasureLayout(BenchmarkLayout(chosen), clips);
   const LayoutFit other_fit = MeasureLayout(BenchmarkLayout(other), clips);
   if (fit.frames == 0) {
-    LogWarning("too few joints are seen to check that their order is that of {}", chosen);
+    LogWarning("too few joints are visible to check that their order is that of {}", chosen);
   } else if (fit.misfit() > kClearlyBetter * other_fit.misfit() && other_fit.fits()) {
     LogWarning(
-        "the joints look like those of {} rather than {} (limbs {:.1f} times as long as they need be, instead of "
-        "{:.1f}); to read them so: `layout` {}",
+        "the joints look like those of {} rather than {} (limbs are {:.1f} times as long as necessary, instead of "
+        "{:.1f}); to read them as such, set `layout` {}",
         other, chosen, fit.tree_ratio, other_fit.tree_ratio, other);
   } else if (!fit.fits()) {
     LogWarning(
-        "the joints hardly look like a person in the order of {}: limbs are {:.1f} times as long as they need be; rows "
+        "the joints hardly look like a person in the order of {}: limbs are {:.1f} times as long as necessary; rows "
         "should be x of all joints, then y of all",
         chosen, fit.tree_ratio);
   } else {
-    LogInfo("the joints' order is that of {}, and anatomy agrees", chosen);
+    LogInfo("the order of the joints is that of {}, which anatomy confirms", chosen);
   }
 }
 
@@ -112,11 +112,11 @@ double ConfidenceScale(const std::vector<Rows>& cameras) {
   for (const Rows& rows : cameras) {
     for (const double confidence : rows.confidence) largest = std::max(largest, confidence);
   }
-  if (largest > 1.0) LogInfo("confidences reach {:.3g}; all are divided by that", largest);
+  if (largest > 1.0) LogInfo("confidences reach {:.3g}; all are divided by this value", largest);
   return largest;
 }
 
-/// The rows `chosen` of one camera.
+/// The rows `chosen` of one camera's keypoints.
 CameraView MakeView(const Rows& rows, const std::vector<std::size_t>& chosen, double scale,
                     const std::array<int, 2>& image_size) {
   CameraView view;
@@ -153,7 +153,8 @@ Dataset ImportCanonPoseDetections(const BenchmarkOptions& options) {
   const double scale = ConfidenceScale(cameras);
   const std::array<int, 2> image_size = options.image_size[0] > 0 ? options.image_size : kUsualSize;
   if (options.image_size[0] == 0) {
-    LogInfo("the file tells no image size: {}x{} is taken; `image_size` says otherwise", image_size[0], image_size[1]);
+    LogInfo("the file does not contain the image size; using {}x{} (set another with `image_size`)", image_size[0],
+            image_size[1]);
   }
 
   std::vector<std::int64_t> in_order;

@@ -34,7 +34,7 @@ TEST(CanonPoseDetectionsTest, PlanarRowsBySubject) {
         EXPECT_EQ(view.image_size, (std::array{1000, 1002}));
       }
     }
-    EXPECT_THAT(log, AllOf(HasSubstr("anatomy agrees"), HasSubstr("1000x1002")));
+    EXPECT_THAT(log, AllOf(HasSubstr("which anatomy confirms"), HasSubstr("1000x1002")));
     std::vector<std::size_t> shape;
     const std::vector<float> confidence =
         NpzReader(File("canonpose/expected.npz")).ReadFloats("confidence|54138969", &shape);
@@ -44,13 +44,13 @@ TEST(CanonPoseDetectionsTest, PlanarRowsBySubject) {
   }
 }
 
-TEST(CanonPoseDetectionsTest, AnotherOrderIsNoticed) {
+TEST(CanonPoseDetectionsTest, AnotherOrderIsDetected) {
   BenchmarkOptions options = Options("canonpose-detections", {"canonpose/detections_mpii_order.pickle"});
   EXPECT_THAT(Import(options).log, HasSubstr("look like those of mpii-16 rather than canonpose-16"));
   options.layout = "mpii-16";
   options.image_size = {640, 480};
   const auto [dataset, log] = Import(options);
-  EXPECT_THAT(log, AllOf(HasSubstr("anatomy agrees"), Not(HasSubstr("image size"))));
+  EXPECT_THAT(log, AllOf(HasSubstr("which anatomy confirms"), Not(HasSubstr("image size"))));
   ExpectNear(Find(dataset.sequences[1], "58860488").keypoints, File("canonpose/expected.npz"), "S1|58860488|keypoints");
   EXPECT_EQ(dataset.sequences[0].cameras[0].image_size, (std::array{640, 480}));
   options.layout = "coco-17";
@@ -60,7 +60,7 @@ TEST(CanonPoseDetectionsTest, AnotherOrderIsNoticed) {
   EXPECT_EQ(Import(options).dataset.skeleton.joints[7], "Spine");
 }
 
-TEST(CanonPoseDetectionsTest, WhatIsWrongIsRefused) {
+TEST(CanonPoseDetectionsTest, InvalidFilesAreRefused) {
   const auto refusal = [](const std::string& file) { return Refusal(Options("canonpose-detections", {file})); };
   EXPECT_THAT(refusal("wrong/detections_no_subjects.pickle"), HasSubstr("a member \"subjects\", found poses_2d_pred"));
   EXPECT_THAT(refusal("wrong/detections_17_joints.pickle"), HasSubstr("found shape (6, 34)"));

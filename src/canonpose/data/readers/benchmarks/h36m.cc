@@ -14,11 +14,11 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/median.h"
-#include "canonpose/data/npz.h"
+#include "canonpose/data/codecs/json.h"
+#include "canonpose/data/codecs/npz.h"
+#include "canonpose/data/codecs/pickle.h"
 #include "canonpose/data/readers/benchmarks/anatomy.h"
 #include "canonpose/data/readers/benchmarks/builder.h"
-#include "canonpose/data/readers/benchmarks/pickle.h"
-#include "canonpose/data/readers/json.h"
 
 namespace canonpose {
 namespace {
@@ -35,18 +35,18 @@ constexpr std::array<std::size_t, kHuman36mJoints> kKept = {0,  1,  2,  3,  6,  
 /// Cameras and the sizes of their images, in the order of VideoPose3D.
 constexpr std::array<std::pair<const char*, std::array<int, 2>>, kCameras> kKnownCameras = {
     {{"54138969", {1000, 1002}}, {"55011271", {1000, 1000}}, {"58860488", {1000, 1000}}, {"60457274", {1000, 1002}}}};
-/// Beyond this the 2D poses are not those of these cameras.
+/// With a larger error, the 2D poses do not belong to these cameras.
 constexpr double kFarFromTruthPx = 60.0;
 
 struct Lens {
   std::string name;
   std::array<int, 2> image_size{};
-  Camera camera;  ///< intrinsics alone
+  Camera camera;  ///< intrinsics only
 };
 
 struct Rig {
   std::vector<Lens> lenses;
-  std::map<std::string, std::vector<Camera>> cameras;  ///< by subject; empty for those without
+  std::map<std::string, std::vector<Camera>> cameras;  ///< by subject; empty for subjects without cameras
 };
 
 std::vector<double> NumbersOf(const JsonValue& value, std::size_t count) {
@@ -64,7 +64,7 @@ Lens ReadLens(const JsonValue& value) {
   const std::vector<double> radial = NumbersOf(value["radial_distortion"], 3);
   const std::vector<double> tangential = NumbersOf(value["tangential_distortion"], 2);
   if (!(focal[0] > 10.0) || !(focal[1] > 10.0)) {
-    value["focal_length"].Fail("focal lengths in pixels", "dump the parameters as they stand in h36m_dataset.py");
+    value["focal_length"].Fail("focal lengths in pixels", "dump the parameters exactly as in h36m_dataset.py");
   }
   lens.camera.K << focal[0], 0.0, centre[0], 0.0, focal[1], centre[1], 0.0, 0.0, 1.0;
   lens.camera.distortion = {radial[0], radial[1], tangential[0], tangential[1], radial[2]};
@@ -89,8 +89,8 @@ Camera PlaceCamera(const JsonValue& value, const Lens& lens) {
   const Eigen::Vector3d centre_mm(place[0], place[1], place[2]);
   constexpr double kNearestMm = 100.0;
   if (centre_mm.norm() < kNearestMm) {
-    value["translation"].Fail("the camera's place in millimetres",
-                              "dump the parameters as they stand in h36m_dataset.py",
+    value["translation"].Fail("the camera's position in millimetres",
+                              "dump the parameters exactly as in h36m_dataset.py",
                               fmt::format("{:.3g} from the origin, so metres", centre_mm.norm()));
   }
   Camera camera = lens.camera;
@@ -114,7 +114,7 @@ Rig ReadRig(const fs::path& path) {
       if (views.At(i).Keys().empty()) continue;  // subjects whose cameras are not published
       cameras.push_back(PlaceCamera(views.At(i), rig.lenses[i]));
     }
-    if (!cameras.empty() && cameras.size() != kCameras) views.Fail("parameters of all cameras or of none");
+    if (!cameras.empty() && cameras.size() != kCameras) views.Fail("parameters of all cameras, or of none");
   }
   return rig;
 }
@@ -152,14 +152,14 @@ Files ReadFiles(const std::vector<fs::path>& paths) {
       files.path_3d = path;
       files.positions_3d = ReadObject(file, path, "positions_3d");
     } else {
-      ThrowBadInput({path.string(), "", "positions_2d in one file, and perhaps positions_3d in another",
+      ThrowBadInput({path.string(), "", "positions_2d in one file, and optionally positions_3d in another",
                      fmt::format("{}", fmt::join(file.names(), ", ")),
                      "give data_2d_h36m_*.npz and data_3d_h36m.npz of VideoPose3D"});
     }
   }
   if (!files.positions_2d) {
-    ThrowBadInput({paths.front().string(), "", "2D poses, positions_2d", "3D poses alone",
-                   "give data_2d_h36m_gt.npz, or another file of 2D poses, too"});
+    ThrowBadInput({paths.front().string(), "", "2D poses, positions_2d", "only 3D poses",
+                   "also give data_2d_h36m_gt.npz or another file of 2D poses"});
   }
   return files;
 }
@@ -194,7 +194,7 @@ View ReadView(const pickle::Numbers& numbers, const pickle::Value& place, const 
   return view;
 }
 
-/// An action's cameras: a list of arrays, or one array of all where they are equally long.
+/// An action's cameras: a list of arrays, or a single array if all are equally long.
 std::vector<View> ReadViews(const pickle::Value& action, const fs::path& file) {
   std::vector<View> views;
   if (action.size() != kCameras) action.Fail(fmt::format("{} cameras", kCameras), "", fmt::format("{}", action.size()));
@@ -212,7 +212,7 @@ std::vector<View> ReadViews(const pickle::Value& action, const fs::path& file) {
   return views;
 }
 
-/// "Walking 1" -> "Walking": protocols tell by action, not by trial.
+/// "Walking 1" -> "Walking": protocols report by action, not by trial.
 std::string ActionOf(const std::string& trial) {
   const std::size_t end = trial.find_last_not_of("0123456789");
   return end != std::string::npos && end + 1 < trial.size() && end > 0 && trial[end] == ' ' ? trial.substr(0, end)
@@ -230,8 +230,8 @@ class Human36mImporter {
     lenses_ = rig_ ? rig_->lenses : KnownLenses();
     if (!rig_ && files_.positions_3d) {
       LogWarning(
-          "without cameras there is no truth: 3D poses are in the world's frame; give `calibration` cameras.json with "
-          "VideoPose3D's h36m_cameras_extrinsic_params as \"extrinsic\" and h36m_cameras_intrinsic_params as "
+          "there is no truth without cameras, since 3D poses are in the world's frame; set `calibration` to a JSON "
+          "file with VideoPose3D's h36m_cameras_extrinsic_params as \"extrinsic\" and h36m_cameras_intrinsic_params as "
           "\"intrinsic\"");
     }
   }
@@ -305,7 +305,7 @@ class Human36mImporter {
     return view;
   }
 
-  /// (T, 17, 3) mm in the world's frame; nothing where there are none.
+  /// (T, 17, 3) mm in the world's frame; nothing if there are none.
   std::optional<std::vector<float>> ReadWorld(const std::string& subject, const std::string& action) {
     if (!files_.positions_3d) return std::nullopt;
     const std::optional<pickle::Value> actions = files_.positions_3d->Find(subject);
@@ -344,7 +344,7 @@ class Human36mImporter {
     const auto cameras = rig_->cameras.find(subject);
     if (cameras == rig_->cameras.end() || cameras->second.empty()) {
       ThrowBadInput({options_.calibration.string(), "extrinsic", fmt::format("the cameras of {}", subject), "none",
-                     "dump all of VideoPose3D's parameters, or leave `calibration` out"});
+                     "dump all of VideoPose3D's parameters, or leave out `calibration`"});
     }
     return &cameras->second;
   }
@@ -352,16 +352,16 @@ class Human36mImporter {
   void Report() {
     if (!has_confidence_) LogInfo("the 2D poses have no confidences: all are 1");
     if (!cut_.empty()) {
-      LogInfo("2D goes on after 3D or after another camera and is cut: {}{}", cut_.front(),
+      LogInfo("2D has more frames than 3D or than another camera; the rest is cut off: {}{}", cut_.front(),
               cut_.size() > 1 ? fmt::format(" and {} more views", cut_.size() - 1) : "");
     }
-    if (!without_3d_.empty()) LogWarning("no 3D poses, so no truth, of {}", fmt::join(without_3d_, ", "));
+    if (!without_3d_.empty()) LogWarning("there are no 3D poses, and so no truth, of {}", fmt::join(without_3d_, ", "));
     sides_.Warn();
     if (errors_px_.empty()) return;
     const double median_px = Median(errors_px_);
-    LogInfo("truth, projected, lies {:.2f} px from the 2D poses (median)", median_px);
+    LogInfo("projected truth is {:.2f} px from the 2D poses (median)", median_px);
     if (median_px > kFarFromTruthPx) {
-      LogWarning("that is far: check that 2D poses, 3D poses and cameras belong together");
+      LogWarning("that is a large error: check that 2D poses, 3D poses and cameras belong together");
     }
   }
 
@@ -381,7 +381,8 @@ class Human36mImporter {
 
 Dataset ImportH36m(const BenchmarkOptions& options) {
   if (options.paths.size() > 2)
-    ThrowInvalidArgument("h36m takes the file of 2D poses and perhaps that of 3D poses, not {}", options.paths.size());
+    ThrowInvalidArgument("h36m takes the file of 2D poses and optionally that of 3D poses, not {} files",
+                         options.paths.size());
   return Human36mImporter(options).Run();
 }
 

@@ -34,7 +34,7 @@ TEST(H36mTest, KeypointsAndTruthOfEveryCamera) {
     EXPECT_TRUE(sequence.static_cameras);
     EXPECT_EQ(sequence.fps, 50.0);
     EXPECT_THAT(sequence.actions, ElementsAre("Walking"));
-    EXPECT_EQ(sequence.frame_count, 12) << "2D goes on for three frames more";
+    EXPECT_EQ(sequence.frame_count, 12) << "2D has three more frames";
     ASSERT_EQ(sequence.cameras.size(), 4U);
     for (const CameraView& view : sequence.cameras) {
       const std::string key = fmt::format("{}|{}", sequence.name, view.name);
@@ -51,7 +51,7 @@ TEST(H36mTest, KeypointsAndTruthOfEveryCamera) {
   EXPECT_EQ(Find(dog, "54138969").image_size, (std::array{1000, 1002}));
   EXPECT_EQ(Find(dog, "55011271").image_size, (std::array{1000, 1000}));
   EXPECT_THAT(log, AllOf(HasSubstr("3D poses are in m: legs are 8"), HasSubstr("all are 1"), HasSubstr("(12 of 15)"),
-                         HasSubstr("no truth, of S9 WalkDog 1"), HasSubstr("lies 0.00 px")));
+                         HasSubstr("no truth, of S9 WalkDog 1"), HasSubstr("is 0.00 px")));
 }
 
 TEST(H36mTest, TruthNeedsCameras) {
@@ -92,7 +92,7 @@ TEST(H36mTest, OtherSkeletonsCamerasAndForms) {
   EXPECT_EQ(confident.sequences[0].cameras[1].keypoints, good.sequences[0].cameras[1].keypoints);
 }
 
-TEST(H36mTest, UnitAndSidesAreTold) {
+TEST(H36mTest, UnitAndSidesAreReported) {
   const auto with_3d = [](const char* file) {
     BenchmarkOptions options = Options("h36m", {"wrong/h36m_2d_good.npz", std::string("wrong/") + file});
     options.calibration = File("h36m/cameras.json");
@@ -107,11 +107,11 @@ TEST(H36mTest, UnitAndSidesAreTold) {
   EXPECT_THAT(Refusal(with_3d("h36m_3d_unit.npz")),
               AllOf(HasSubstr("legs of 300 to 1300 mm"), HasSubstr("e+05 units")));
   EXPECT_THAT(Import(with_3d("h36m_3d_swapped.npz")).log,
-              HasSubstr("warning: S9 WalkDog 1: left and right look swapped, or knees bend backwards"));
+              HasSubstr("warning: S9 WalkDog 1: left and right look swapped, or the knees bend backwards"));
   EXPECT_THAT(metres_log, Not(HasSubstr("swapped")));
 }
 
-TEST(H36mTest, WhatIsWrongIsRefused) {
+TEST(H36mTest, InvalidFilesAreRefused) {
   const auto refusal = [](const std::string& file) { return Refusal(Options("h36m", {"wrong/" + file})); };
   EXPECT_THAT(refusal("h36m_2d_16_joints.npz"),
               AllOf(HasSubstr("[\"S9\"][\"WalkDog 1\"][0]"), HasSubstr("(8, 16, 2)")));
@@ -119,7 +119,7 @@ TEST(H36mTest, WhatIsWrongIsRefused) {
   EXPECT_THAT(refusal("h36m_2d_fractions.npz"), HasSubstr("fractions of the image"));
   EXPECT_THAT(refusal("h36m_2d_nan.npz"), HasSubstr("[2], row 3, joint 5: expected a coordinate, found nan"));
   EXPECT_THAT(refusal("h36m_2d_layout.npz"), HasSubstr("humaneva"));
-  EXPECT_THAT(refusal("h36m_3d_good.npz"), HasSubstr("3D poses alone"));
+  EXPECT_THAT(refusal("h36m_3d_good.npz"), HasSubstr("only 3D poses"));
   EXPECT_THAT(refusal("../h36m/expected.npz"), HasSubstr("positions_2d in one file"));
   EXPECT_THAT(refusal("../h36m/cameras.json"), HasSubstr(".npz archive"));
   EXPECT_THAT(refusal("nowhere.npz"), HasSubstr("expected a file, found nothing"));

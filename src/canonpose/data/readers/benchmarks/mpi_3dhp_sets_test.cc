@@ -50,7 +50,7 @@ TEST(Mpi3dhpTrainTest, CalibrationTruthAndCamerasByChoice) {
   const auto [dataset, log] = Import(options);
   ASSERT_EQ(dataset.sequences[0].cameras.size(), 5U);
   for (const CameraView& view : dataset.sequences[0].cameras) ExpectTruthProjects(view, 7, 0.01);
-  EXPECT_THAT(log, HasSubstr("lies 0.00 px from annot2"));
+  EXPECT_THAT(log, HasSubstr("is 0.00 px from annot2"));
 
   options.truth = "univ_annot3";
   options.skeleton = "h36m-17";
@@ -72,10 +72,10 @@ TEST(Mpi3dhpTrainTest, CalibrationTruthAndCamerasByChoice) {
 
   options.paths.push_back(File(kTrain2));
   EXPECT_THAT(Refusal(options, ErrorKind::kInvalidArgument), HasSubstr("one sequence"));
-  EXPECT_THAT(Refusal(Options("3dhp-train", {kTrain1, kTrain1})), HasSubstr("S1 Seq1 for the second time"));
+  EXPECT_THAT(Refusal(Options("3dhp-train", {kTrain1, kTrain1})), HasSubstr("S1 Seq1 twice"));
 }
 
-TEST(Mpi3dhpTrainTest, WhatIsWrongIsRefused) {
+TEST(Mpi3dhpTrainTest, InvalidFilesAreRefused) {
   const auto refusal = [](const std::string& file) { return Refusal(Options("3dhp-train", {file})); };
   EXPECT_THAT(refusal("wrong/train_13_cameras.mat"), HasSubstr("a cell array of 14 matrices, found 13 cells"));
   EXPECT_THAT(refusal("wrong/train_27_joints.mat"), AllOf(HasSubstr("annot2{1}"), HasSubstr("found (1, 54)")));
@@ -91,10 +91,10 @@ TEST(Mpi3dhpTrainTest, WhatIsWrongIsRefused) {
   BenchmarkOptions options = Options("3dhp-train", {kTrain1});
   options.calibration = File("h36m/cameras.json");
   EXPECT_THAT(Refusal(options),
-              AllOf(HasSubstr("cameras.json: line 2: expected \"name\""), HasSubstr("seven lines a camera")));
+              AllOf(HasSubstr("cameras.json: line 2: expected \"name\""), HasSubstr("seven lines per camera")));
 }
 
-TEST(Mpi3dhpTrainTest, FoldersStandForTheirFiles) {
+TEST(Mpi3dhpTrainTest, FoldersMeanTheirFiles) {
   const Dataset files = Import(Options("3dhp-train", {kTrain1, kTrain2})).dataset;
   const Dataset folder = Import(Options("3dhp-train", {"3dhp_train"})).dataset;
   EXPECT_EQ(folder.Fingerprint(), files.Fingerprint());
@@ -156,12 +156,12 @@ void WriteTestSet(const fs::path& path, std::size_t frames, std::size_t joints, 
   file.Commit();
 }
 
-TEST(Mpi3dhpTestTest, WhatIsWrongIsRefused) {
+TEST(Mpi3dhpTestTest, InvalidFilesAreRefused) {
   const TemporaryFolder folder;
   const std::string path = folder / "annot_data.mat";
   BenchmarkOptions options = Options("3dhp-test", {path});
   WriteTestSet(path, 8, 17, 1.0F, true);
-  EXPECT_THAT(Refusal(options), HasSubstr("TS1 to TS6, which tells the image size"));
+  EXPECT_THAT(Refusal(options), HasSubstr("TS1 to TS6, from which the image size is known"));
   options.image_size = {800, 600};
   EXPECT_THAT(Import(options).log, HasSubstr("no activity_annotation"));
   WriteTestSet(path, 8, 17, 0.001F, true);

@@ -21,11 +21,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kTestJoints = 17;
-/// As the benchmark's own evaluation names them, from 1 on.
+/// Activities by number, from 1, with the names that the benchmark's evaluation uses.
 constexpr std::array<const char*, 7> kActivities = {
     "Standing/Walking", "Exercising", "Sitting", "Reaching/Crouching", "On The Floor", "Sports", "Miscellaneous"};
 
-/// The number of the last folder "TS5"; 0 where there is none.
+/// The number in the last folder of the form "TS5"; 0 if there is none.
 int TestSequenceOf(const fs::path& path) {
   int number = 0;
   for (const fs::path& part : fs::absolute(path).parent_path()) {
@@ -49,7 +49,8 @@ void RequireHdf5(const fs::path& path) {
        is_old ? "annot.mat of the training set is read by import 3dhp-train" : "give annot_data.mat as published"});
 }
 
-/// The values of an array that MATLAB or Python may have written: (N, 1, 17, axes), or that the other way round.
+/// The values of an array that MATLAB or Python may have written: (N, 1, 17, axes), or these dimensions in reverse
+/// order.
 struct Annotation {
   std::size_t frames = 0;
   bool is_reversed = false;
@@ -86,18 +87,18 @@ Annotation ReadAnnotation(const h5::Group& root, const std::string& name, std::s
   return annotation;
 }
 
-/// One number a frame: (N, 1), (1, N) or (N).
+/// One number per frame: (N, 1), (1, N) or (N).
 std::vector<double> ReadPerFrame(const h5::Group& root, const std::string& name, std::size_t frames) {
   const h5::Array<double> array = ReadNumbers(root, name);
   if (array.values.size() != frames) {
-    root.Fail(name, fmt::format("{} numbers, one a frame", frames), h5::FormatShape(array.shape), "");
+    root.Fail(name, fmt::format("{} numbers, one per frame", frames), h5::FormatShape(array.shape), "");
   }
   return array.values;
 }
 
 void ReadActivities(const h5::Group& root, Sequence& sequence) {
   if (!root.Has("activity_annotation")) {
-    LogWarning("{}: there is no activity_annotation, so no actions", sequence.name);
+    LogWarning("{}: there is no activity_annotation, so actions are unknown", sequence.name);
     return;
   }
   sequence.actions.assign(kActivities.begin(), kActivities.end());
@@ -110,7 +111,7 @@ void ReadActivities(const h5::Group& root, Sequence& sequence) {
   }
 }
 
-/// Frames that are not valid have no truth, and keypoints only where they are numbers.
+/// Removes the truth of frames that are not valid, and their keypoints where these are not finite.
 int LeaveOutInvalid(const std::vector<double>& valid, std::vector<double>& keypoints, std::vector<double>& poses) {
   int count = 0;
   for (std::size_t t = 0; t < valid.size(); ++t) {
@@ -126,7 +127,7 @@ int LeaveOutInvalid(const std::vector<double>& valid, std::vector<double>& keypo
   return count;
 }
 
-/// Checks valid frames alone: the others may hold anything.
+/// Checks only valid frames, since the others may contain anything.
 void RequireFiniteWhere(const std::vector<double>& valid, const std::vector<double>& values, std::size_t axes,
                         const fs::path& path, const std::string& name) {
   const auto size = static_cast<std::ptrdiff_t>(kTestJoints * axes);
@@ -147,8 +148,9 @@ class TestSetImporter {
     BenchmarkBuilder builder(options_, layout, layout, "h36m-17");
     for (const fs::path& path : FindFiles("annot_data.mat", options_.paths)) builder.Add(ReadSequence(path), path);
     LogInfo("truth is {}{}; the annotations have no confidences: all are 1", truth_,
-            truth_ == "annot3" ? ", the poses as they were; published results compare with univ_annot3"
-                               : ", scaled to one height, which published results compare with (annot3: as they were)");
+            truth_ == "annot3"
+                ? ", the original poses; published results compare with univ_annot3"
+                : ", poses scaled to one height, with which published results compare (annot3: the original poses)");
     sides_.Warn();
     return builder.Finish();
   }
@@ -178,7 +180,7 @@ class TestSetImporter {
     const int valid_count = LeaveOutInvalid(valid, keypoints.values, poses.values);
     RequirePixels(keypoints.values, path.string(), "/annot2");
     LogInfo("{}: {} of {} frames are valid and have truth; arrays are {}", sequence.name, valid_count, keypoints.frames,
-            keypoints.is_reversed ? "as MATLAB has them, axes first" : "frames first");
+            keypoints.is_reversed ? "in MATLAB's order, axes first" : "frames first");
     sequence.cameras = {MakeView(keypoints.values, poses.values, ImageSize(number, path), path)};
     sides_.Add(CheckSides(BenchmarkLayout("3dhp-17"), sequence.cameras.front().truth), sequence.name);
     return sequence;
@@ -203,8 +205,8 @@ class TestSetImporter {
   [[nodiscard]] std::array<int, 2> ImageSize(int number, const fs::path& path) const {
     if (options_.image_size[0] > 0) return options_.image_size;
     if (number == 0) {
-      ThrowBadInput({path.string(), "", "a folder TS1 to TS6, which tells the image size", "another",
-                     "give `image_size` WxH, or the file in the benchmark's own folder"});
+      ThrowBadInput({path.string(), "", "a folder TS1 to TS6, from which the image size is known", "another",
+                     "give `image_size` WxH, or the file in the benchmark's original folder"});
     }
     if (number >= 5) return {1920, 1080};
     return {2048, 2048};

@@ -13,11 +13,12 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/hdf5.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/median.h"
+#include "canonpose/data/codecs/mat_file.h"
 #include "canonpose/data/readers/benchmarks/anatomy.h"
 #include "canonpose/data/readers/benchmarks/builder.h"
-#include "canonpose/data/readers/benchmarks/mat_file.h"
 
 namespace canonpose {
 namespace {
@@ -27,19 +28,20 @@ namespace fs = std::filesystem;
 constexpr std::size_t kTrainCameras = 14;
 constexpr std::size_t kTrainJoints = 28;
 constexpr std::array<int, 2> kTrainImageSize{2048, 2048};
-/// annot3 meets annot2 within rounding where the calibration is the sequence's.
+constexpr const char* kTrainSetAdvice = "give annot.mat of the training set as published";
+/// If the calibration belongs to the sequence, annot3 projects to annot2 up to rounding.
 constexpr double kFarFromAnnot2Px = 5.0;
 
 // ----------------------------------------------------------------------------------------------------- calibration
 
-/// A calibration's lines, each a key and its values.
+/// The lines of a calibration, each a key and its values.
 class Lines {
  public:
   explicit Lines(const fs::path& path) : path_(path), stream_(path) {
     if (!stream_) ThrowBadInput({path.string(), "", "a file that can be read", "none", "check the path"});
   }
 
-  /// The rest of the next line that is not empty; its first word must be `key`, where that is given.
+  /// The rest of the next non-empty line, whose first word must be `key`; the whole line if `key` is empty.
   std::string Next(const std::string& key) {
     std::string line;
     while (std::getline(stream_, line)) {
@@ -67,7 +69,7 @@ class Lines {
 
   [[noreturn]] void Fail(const std::string& expected, const std::string& found) const {
     ThrowBadInput({path_.string(), fmt::format("line {}", number_), expected, found,
-                   "give camera.calibration of MPI-INF-3DHP as published: a line, then seven lines a camera"});
+                   "give camera.calibration of MPI-INF-3DHP as published: one line, then seven lines per camera"});
   }
 
  private:
@@ -107,7 +109,7 @@ CalibratedView ReadView(Lines& lines, std::size_t index) {
     lines.Fail("a rotation in the extrinsic matrix", "another matrix");
   }
   if (lines.Next("radial").find_first_not_of(" \t\r0") != std::string::npos) {
-    LogWarning("camera {} has radial distortion, which is left out of the calibration", index);
+    LogWarning("camera {} has radial distortion, which the imported calibration leaves out", index);
   }
   return view;
 }
@@ -122,7 +124,7 @@ std::vector<CalibratedView> ReadTrainRig(const fs::path& path) {
 
 // ----------------------------------------------------------------------------------------------------- annotations
 
-/// The last folder that is `letters` and a number, "Seq2"; empty where there is none.
+/// The last folder whose name is `letters` and a number, "Seq2"; empty if there is none.
 std::string FindFolder(const fs::path& path, const std::string& letters) {
   std::string found;
   for (const fs::path& part : fs::absolute(path).parent_path()) {
@@ -135,7 +137,7 @@ std::string FindFolder(const fs::path& path, const std::string& letters) {
   return found;
 }
 
-/// The cells of a variable, `axes` numbers a joint.
+/// The cells of a variable, with `axes` numbers per joint.
 std::vector<Matrix> ReadAnnotation(const MatFile& file, const std::string& name, std::size_t axes,
                                    const fs::path& path) {
   std::vector<Matrix> cells = file.ReadCells(name, kTrainCameras);
@@ -148,7 +150,7 @@ std::vector<Matrix> ReadAnnotation(const MatFile& file, const std::string& name,
                             i == 0 ? fmt::format("(N, {})", axes * kTrainJoints)
                                    : fmt::format("({}, {})", cells.front().rows, axes * kTrainJoints),
                             axes),
-                fmt::format("({}, {})", cell.rows, cell.columns), "give annot.mat of the training set as published");
+                fmt::format("({}, {})", cell.rows, cell.columns), kTrainSetAdvice);
     }
     RequireFinite(cell.values, kTrainJoints, axes, path.string(), place);
   }
@@ -163,7 +165,7 @@ class TrainSetImporter {
         truth_(options.truth.empty() ? "annot3" : options.truth) {
     if (options.calibration.empty()) return;
     if (files_.size() > 1) {
-      ThrowInvalidArgument("`calibration` belongs to one sequence, and {} files are given; import them one by one",
+      ThrowInvalidArgument("`calibration` belongs to one sequence, but {} files are given; import them one by one",
                            files_.size());
     }
     rig_ = ReadTrainRig(options.calibration);
@@ -173,20 +175,24 @@ class TrainSetImporter {
     const Skeleton& layout = BenchmarkLayout("3dhp-28");
     const bool is_native = options_.skeleton == "native";
     BenchmarkOptions options = options_;
-    // The 17 joints of the test set are the benchmark's own: models are compared on those.
+    // "native" means the 17 joints of the test set, on which models are compared.
     if (is_native) options.skeleton.clear();
     BenchmarkBuilder builder(options, layout, layout, is_native ? "3dhp-17" : "h36m-17");
     for (const fs::path& path : files_) builder.Add(ReadSequence(path), path);
     LogInfo("truth is {}{}; the annotations have no confidences: all are 1", truth_,
-            truth_ == "annot3" ? ", the poses as they were (univ_annot3: scaled to one height, with `truth`)"
-                               : ", scaled to one height (annot3: the poses as they were, with `truth`)");
+            truth_ == "annot3" ? ", the original poses (set `truth` to univ_annot3 for poses scaled to one height)"
+                               : ", poses scaled to one height (set `truth` to annot3 for the original poses)");
     sides_.Warn();
     return builder.Finish();
   }
 
  private:
   Sequence ReadSequence(const fs::path& path) {
-    const MatFile file(path);
+    if (h5::File::IsHdf5(path)) {
+      ThrowBadInput({path.string(), "", "a MATLAB file of version 5", "one of version 7.3, which is HDF5",
+                     "annot_data.mat of the test set is read by import 3dhp-test"});
+    }
+    const MatFile file(path, kTrainSetAdvice);
     const std::vector<Matrix> keypoints = ReadAnnotation(file, "annot2", 2, path);
     std::vector<Matrix> poses = ReadAnnotation(file, truth_, 3, path);
     const std::size_t frames = keypoints.front().rows;
@@ -198,7 +204,7 @@ class TrainSetImporter {
     const std::string part = FindFolder(path, "Seq");
     sequence.subject = subject.empty() ? path.stem().string() : subject;
     sequence.name = part.empty() ? sequence.subject : fmt::format("{} {}", sequence.subject, part);
-    sequence.capture = sequence.name;  // each has a calibration of its own
+    sequence.capture = sequence.name;  // each has its own calibration
     sequence.fps = options_.fps;
     sequence.truth_kind = truth_;
     sequence.frame_count = static_cast<int>(frames);
@@ -231,9 +237,9 @@ class TrainSetImporter {
 
   void ReportErrors(std::vector<double> errors_px) {
     const double median_px = Median(std::move(errors_px));
-    LogInfo("truth, projected, lies {:.2f} px from annot2 (median)", median_px);
+    LogInfo("projected truth is {:.2f} px from annot2 (median)", median_px);
     if (truth_ == "annot3" && median_px > kFarFromAnnot2Px) {
-      LogWarning("that is far: check that the calibration belongs to this sequence");
+      LogWarning("that is a large error: check that the calibration belongs to this sequence");
     }
   }
 

@@ -5,13 +5,13 @@
 
 namespace canonpose {
 
-/// Each path an annot.mat (MATLAB version 5): annot2, cells of 14 cameras (N, 56) px, and annot3 or univ_annot3, 14
-/// cells (N, 84) mm in the camera's frame, 28 joints each. A sequence per file, "S1 Seq1" by its folders, with cameras
-/// "0" to "13" of 2048x2048 pixels. Truth is annot3, whose projection annot2 is; univ_annot3 is the same poses scaled
-/// to one body height.
+/// Each path is an annot.mat (MATLAB version 5): annot2, cells of 14 cameras (N, 56) px, and annot3 or univ_annot3, 14
+/// cells (N, 84) mm in the camera's frame, 28 joints each. There is one sequence per file, named after its folders, "S1
+/// Seq1", with cameras "0" to "13" of 2048x2048 pixels. Truth is annot3, whose projection is annot2; univ_annot3 has
+/// the same poses scaled to one body height.
 ///
-/// The calibration, for one file, is text: a first line, then seven lines a camera (name, sensor, size, animated,
-/// intrinsic with 16 numbers, extrinsic with 16, radial). Throws Error(kBadInput).
+/// The calibration, which is for one file, is text: a first line, then seven lines per camera (name, sensor, size,
+/// animated, intrinsic with 16 numbers, extrinsic with 16, radial). Throws Error(kBadInput).
 Dataset ImportMpi3dhpTrain(const BenchmarkOptions& options);
 
 }  // namespace canonpose

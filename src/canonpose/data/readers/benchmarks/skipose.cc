@@ -19,18 +19,18 @@
 #include "canonpose/base/median.h"
 #include "canonpose/data/readers/benchmarks/anatomy.h"
 #include "canonpose/data/readers/benchmarks/builder.h"
+#include "canonpose/geometry/points.h"
 
 namespace canonpose {
 namespace {
 
 namespace fs = std::filesystem;
-using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Matrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 constexpr std::size_t kSkiJoints = 17;
 constexpr int kCropSize = 256;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-/// A frame of reference whose projection is farther from 2D than this is not the one.
+/// If poses in a frame of reference project farther from 2D than this, it is not the right frame.
 constexpr double kFarPx = 8.0;
 
 /// One row of the file.
@@ -38,9 +38,9 @@ struct Row {
   int cam = 0;
   int frame = 0;
   std::vector<double> keypoints;  ///< (17, 2) pixels
-  Points pose;                    ///< (17, 3) as the file has it
+  Points3d pose;                  ///< (17, 3) as in the file
   Camera camera;                  ///< its translation in the file's unit
-  Eigen::Vector3d place;          ///< of the camera, in the file's unit
+  Eigen::Vector3d place;          ///< position of the camera, in the file's unit
 };
 
 using Key = std::pair<int, int>;  // subject, sequence
@@ -59,7 +59,7 @@ class LabelsFile {
     intrinsic_ = ReadRows(root, "cam_intrinsic", 9);
     position_ = ReadRows(root, "cam_position", 3);
     rotation_ = ReadRows(root, "R_cam_2_world", 9);
-    constexpr double kLargestFraction = 3.0;  // a joint may lie outside the image, but not by far
+    constexpr double kLargestFraction = 3.0;  // a joint may be outside the image, but not far
     for (const double coordinate : keypoints_) {
       if (std::abs(coordinate) <= kLargestFraction) continue;
       root.Fail("2D", "fractions of the image, 0 to 1", fmt::format("{}", coordinate), "give labels.h5 as published");
@@ -75,7 +75,7 @@ class LabelsFile {
     row.frame = frame_[i];
     for (std::size_t k = 0; k < 2 * kSkiJoints; ++k)
       row.keypoints.push_back(kCropSize * keypoints_[2 * kSkiJoints * i + k]);
-    row.pose = Eigen::Map<const Points>(&poses_[3 * kSkiJoints * i], kSkiJoints, 3);
+    row.pose = Eigen::Map<const Points3d>(&poses_[3 * kSkiJoints * i], kSkiJoints, 3);
     row.place = Eigen::Map<const Eigen::Vector3d>(&position_[3 * i]);
     const Matrix3 K = Eigen::Map<const Matrix3>(&intrinsic_[9 * i]);
     const bool is_camera_matrix = K(0, 0) > 0.0 && K(1, 1) > 0.0 && std::abs(K(2, 2) - 1.0) < 1e-6 &&
@@ -98,10 +98,10 @@ class LabelsFile {
   [[nodiscard]] const std::vector<double>& poses() const { return poses_; }
   [[nodiscard]] const std::string& path() const { return path_; }
 
-  /// From now on R_cam_2_world counts as what it is not called: camera_from_world.
+  /// From now on, R_cam_2_world is used as camera_from_world, despite its name.
   void InvertRotations() { rotations_are_camera_from_world_ = !rotations_are_camera_from_world_; }
 
-  /// Gives the right leg's joints to the left and back.
+  /// Swaps the joints of the left and the right leg.
   void SwapLegs() {
     for (std::size_t i = 0; i < size(); ++i) {
       for (std::size_t joint = 1; joint <= 3; ++joint) {
@@ -119,7 +119,7 @@ class LabelsFile {
         {path_, fmt::format("/{}, row {}", name, row), expected, "another matrix", "give labels.h5 as published"});
   }
 
-  /// One row a view; any dimensions whose first is the rows.
+  /// Reads an array with one row per view and any further dimensions.
   std::vector<double> ReadRows(const h5::Group& root, const std::string& name, std::size_t columns) const {
     if (!root.Has(name)) root.Fail(name, "an array", "nothing", "give labels.h5 of Ski-PosePTZ");
     h5::Array<double> array = ReadNumbers(root, name);
@@ -127,7 +127,7 @@ class LabelsFile {
     if (rows == 0 || array.shape.empty() || array.shape.front() != rows || array.values.size() != rows * columns) {
       root.Fail(
           name,
-          fmt::format("shape ({}, {}) = views, numbers a view", rows == 0 ? "N" : fmt::format("{}", rows), columns),
+          fmt::format("shape ({}, {}) = views, numbers per view", rows == 0 ? "N" : fmt::format("{}", rows), columns),
           h5::FormatShape(array.shape), "give labels.h5 of Ski-PosePTZ as published");
     }
     RequireFinite(array.values, columns, 1, path_, "/" + name);
@@ -162,22 +162,22 @@ class LabelsFile {
 
 // ------------------------------------------------------------------------------------------- the frame of the poses
 
-/// In which frame 3D may be.
+/// A frame that 3D may be in.
 struct Frame {
   const char* description;
   bool is_world;   ///< otherwise the camera's
-  bool has_place;  ///< whether the person's place is in it; otherwise it is found from 2D
+  bool has_place;  ///< whether it includes the person's position, which is otherwise found from 2D
 };
 
 constexpr std::array<Frame, 4> kFrames = {
     {{"the camera's frame", false, true},
-     {"the camera's frame relative to the person, whose place is found from 2D", false, false},
+     {"the camera's frame relative to the person, whose position is found from 2D", false, false},
      {"the world's frame", true, true},
-     {"the world's axes relative to the person, whose place is found from 2D", true, false}}};
+     {"the world's axes relative to the person, whose position is found from 2D", true, false}}};
 
-/// The shift with which points project nearest to pixels: u (z + c) = x + a and v (z + c) = y + b for each joint, by
-/// least squares.
-Eigen::Vector3d FindPlace(const Points& points, const Row& row) {
+/// The translation (a, b, c) with which points project nearest to the pixels, by least squares: u (z + c) = x + a and v
+/// (z + c) = y + b for each joint.
+Eigen::Vector3d FindPlace(const Points3d& points, const Row& row) {
   const auto joints = static_cast<Eigen::Index>(kSkiJoints);
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * joints, 3);
   Eigen::VectorXd b(2 * joints);
@@ -194,9 +194,9 @@ Eigen::Vector3d FindPlace(const Points& points, const Row& row) {
   return A.colPivHouseholderQr().solve(b);
 }
 
-/// The pose of a row in its camera's frame, in the file's unit, if 3D is in `frame`.
-Points InCamera(const Row& row, const Frame& frame) {
-  Points points = row.pose;
+/// The pose of a row in its camera's frame and in the file's unit, assuming that 3D is in `frame`.
+Points3d InCamera(const Row& row, const Frame& frame) {
+  Points3d points = row.pose;
   if (frame.is_world) {
     const Eigen::Vector3d origin = frame.has_place ? row.place : Eigen::Vector3d::Zero();
     points = (points.rowwise() - origin.transpose()) * row.camera.camera_from_world_rotation.transpose();
@@ -205,7 +205,7 @@ Points InCamera(const Row& row, const Frame& frame) {
   return points;
 }
 
-double ErrorPx(const Row& row, const Points& points) {
+double ErrorPx(const Row& row, const Points3d& points) {
   std::vector<double> distances;
   for (Eigen::Index j = 0; j < points.rows(); ++j) {
     const auto at = static_cast<std::size_t>(2 * j);
@@ -230,7 +230,7 @@ const Frame& DetectFrame(const LabelsFile& file) {
     }
     errors_px[f] = Median(std::move(errors));
   }
-  // A place that is found fits at least as well as one that is known.
+  // A position that is found from 2D always fits at least as well as a known one.
   std::size_t best = 0;
   constexpr double kClearlyBetterPx = 1.0;
   for (std::size_t f = 1; f < kFrames.size(); ++f) {
@@ -239,26 +239,26 @@ const Frame& DetectFrame(const LabelsFile& file) {
   if (errors_px[best] > kFarPx) {
     best = 1;
     LogWarning(
-        "{}: in no frame does 3D project to 2D; it is taken to be in {} ({:.1f} px off), as loaders of this benchmark "
-        "do",
+        "{}: 3D does not project to 2D in any frame; it is assumed to be in {} ({:.1f} px off), as loaders of this "
+        "benchmark do",
         file.path(), kFrames[best].description, errors_px[best]);
   } else {
-    LogInfo("{}: 3D is in {}: so it projects to within {:.2f} px of 2D (median)", file.path(),
+    LogInfo("{}: 3D is in {}, where it projects to within {:.2f} px of 2D (median)", file.path(),
             kFrames[best].description, errors_px[best]);
   }
   return kFrames[best];
 }
 
-/// Median distance, in the file's unit, between the joints about the root that two cameras of one frame have in the
-/// world; NaN where no frame has two. Poses are in their cameras' frames.
+/// Median distance, in the file's unit, between the same root-centred joint from two cameras of one frame, in the
+/// world; NaN if no frame has two cameras. Poses are in their cameras' frames.
 double DisagreementInWorld(const LabelsFile& file) {
-  std::map<std::tuple<int, int, int>, Points> first;  // by subject, sequence and frame
+  std::map<std::tuple<int, int, int>, Points3d> first;  // by subject, sequence and frame
   std::vector<double> distances;
   for (std::size_t i = 0; i < file.size(); ++i) {
     const Row row = file.At(i);
     const auto [subject, sequence] = file.KeyOf(i);
-    const Points about_root = row.pose.rowwise() - row.pose.row(0);
-    const Points in_world = about_root * row.camera.camera_from_world_rotation;
+    const Points3d about_root = row.pose.rowwise() - row.pose.row(0);
+    const Points3d in_world = about_root * row.camera.camera_from_world_rotation;
     const auto [other, is_first] = first.emplace(std::tuple(subject, sequence, row.frame), in_world);
     if (is_first) continue;
     for (Eigen::Index j = 1; j < in_world.rows(); ++j) {
@@ -268,28 +268,29 @@ double DisagreementInWorld(const LabelsFile& file) {
   return distances.empty() ? std::nan("") : Median(std::move(distances));
 }
 
-/// Poses in the cameras' frames say nothing of the cameras' rotations, unless two cameras see the same frame.
+/// Poses in the cameras' frames only allow checking the cameras' rotations where two cameras see the same frame.
 void CheckRotations(LabelsFile& file, double mm) {
   constexpr double kAgreeMm = 100.0;
   const double apart_mm = mm * DisagreementInWorld(file);
   if (std::isnan(apart_mm)) return;
   if (apart_mm <= kAgreeMm) {
-    LogInfo("{}: by R_cam_2_world, cameras have joints {:.1f} mm apart in the world (median)", file.path(), apart_mm);
+    LogInfo("{}: with R_cam_2_world, the same joint differs between cameras by {:.1f} mm in the world (median)",
+            file.path(), apart_mm);
     return;
   }
   file.InvertRotations();
   const double inverted_mm = mm * DisagreementInWorld(file);
   if (inverted_mm <= kAgreeMm) {
     LogWarning(
-        "{}: R_cam_2_world leads from the world to the camera, by which cameras have joints {:.1f} mm apart in the "
-        "world; as it is called, {:.0f} mm; inverted",
+        "{}: R_cam_2_world is inverted, since it actually leads from the world to the camera: so used, the same joint "
+        "differs between cameras by {:.1f} mm, otherwise by {:.0f} mm",
         file.path(), inverted_mm, apart_mm);
     return;
   }
   file.InvertRotations();
   LogWarning(
-      "{}: by R_cam_2_world, cameras have joints {:.0f} mm apart in the world: do not trust a triangulation or what "
-      "preset epipolar learns from it; nothing else uses the rotations",
+      "{}: with R_cam_2_world, the same joint differs between cameras by {:.0f} mm in the world: do not trust a "
+      "triangulation, or preset epipolar, which learns from it; nothing else uses the rotations",
       file.path(), apart_mm);
 }
 
@@ -309,8 +310,7 @@ std::vector<fs::path> FindFiles(const fs::path& path) {
   return files;
 }
 
-/// Views of one camera at the places of `frames`; where it has none the nearest one's calibration stands, and nothing
-/// else.
+/// Views of one camera in the order of `frames`. A missing view gets only the calibration of the nearest one.
 CameraView MakeView(int cam, const std::map<int, Row>& rows, const std::vector<int>& frames, const Frame& frame,
                     double mm) {
   CameraView view;
@@ -323,7 +323,8 @@ CameraView MakeView(int cam, const std::map<int, Row>& rows, const std::vector<i
     camera.camera_from_world_translation *= mm;
     view.calibration.push_back(camera);
     const bool is_seen = nearest->first == number;
-    const Points points = is_seen ? InCamera(nearest->second, frame) : Points::Constant(kSkiJoints, 3, std::nan(""));
+    const Points3d points =
+        is_seen ? InCamera(nearest->second, frame) : Points3d::Constant(kSkiJoints, 3, std::nan(""));
     for (std::size_t i = 0; i < 2 * kSkiJoints; ++i) {
       view.keypoints.push_back(is_seen ? static_cast<float>(nearest->second.keypoints[i]) : kUnknown);
     }
@@ -343,8 +344,7 @@ class SkiPoseImporter {
       for (fs::path& file : FindFiles(path)) files.push_back(std::move(file));
     }
     if (files.size() > 1) {
-      LogWarning(
-          "several files become one dataset; to measure on test what was trained on train, import them one by one");
+      LogWarning("several files become one dataset; to train on train and evaluate on test, import them one by one");
     }
     const Skeleton& layout = BenchmarkLayout("h36m-17");
     BenchmarkBuilder builder(options_, layout, layout, "h36m-17");
@@ -359,7 +359,7 @@ class SkiPoseImporter {
     const Skeleton& layout = BenchmarkLayout("h36m-17");
     const std::vector<float> poses = ToFloats(file.poses());
     const PoseUnit unit = DetectUnit(layout, poses, path.string(), "/3D");
-    LogInfo("{}: 3D is in {}, as legs are {:.0f} mm long", path.string(), unit.name, unit.leg_mm);
+    LogInfo("{}: 3D is in {}, since legs are {:.0f} mm long", path.string(), unit.name, unit.leg_mm);
     const Frame& frame = DetectFrame(file);
     if (!frame.is_world) CheckRotations(file, unit.mm_per_unit);
     RenameLegs(file, frame);
@@ -404,22 +404,21 @@ class SkiPoseImporter {
   void RenameLegs(LabelsFile& file, const Frame& frame) {
     std::vector<float> poses;
     for (std::size_t i = 0; i < file.size(); ++i) {
-      const Points points = InCamera(file.At(i), frame);
+      const Points3d points = InCamera(file.At(i), frame);
       for (Eigen::Index k = 0; k < points.size(); ++k) poses.push_back(static_cast<float>(points.data()[k]));
     }
     const SideCheck sides = CheckSides(BenchmarkLayout("h36m-17"), poses);
     if (!sides.measured) {
-      LogWarning("{}: poses do not tell whether left and right are what they are called", file.path());
+      LogWarning("{}: the poses do not show whether left and right are named correctly", file.path());
     } else if (sides.legs_swapped && !sides.arms_swapped) {
-      LogWarning("{}: the left leg is called right and the right one left, or knees bend backwards; renamed",
-                 file.path());
+      LogWarning("{}: the left and right legs have each other's names, or knees bend backwards; renamed", file.path());
       file.SwapLegs();
     } else if (sides.arms_swapped) {
       SideReport report;
       report.Add(sides, file.path());
       report.Warn();
     } else {
-      LogInfo("{}: left and right are what they are called, by knees and noses", file.path());
+      LogInfo("{}: left and right are named correctly, judging by knees and noses", file.path());
     }
   }
 

@@ -1,19 +1,19 @@
-// Ski-PosePTZ: labels.h5 of skiers before six cameras that pan, tilt and zoom.
+// Ski-PosePTZ: labels.h5, skiers filmed by six cameras that pan, tilt and zoom.
 #pragma once
 
 #include "canonpose/data/readers/benchmarks/benchmark.h"
 
 namespace canonpose {
 
-/// A labels.h5, its folder, or the folder that holds train/ and test/. A row per view: seq, cam, frame, subj, 3D (51),
-/// 2D (34, fractions of the 256x256 image), cam_intrinsic (9, for an image of size 1), cam_position (3), R_cam_2_world
-/// (9); joints in Human3.6M's order. A sequence per subject and seq, "S1 seq_103", with a camera per cam; a view that
-/// is not there is unknown.
+/// A path is a labels.h5, its folder, or the folder that contains train/ and test/. The file has one row per view: seq,
+/// cam, frame, subj, 3D (51), 2D (34, fractions of the 256x256 image), cam_intrinsic (9, for an image of size 1),
+/// cam_position (3), R_cam_2_world (9); joints are in Human3.6M's order. There is one sequence per subject and seq, "S1
+/// seq_103", with one camera per cam; missing views are unknown.
 ///
-/// Nothing in the file says in which frame and unit 3D is. The unit is told by the length of legs, for the places of
-/// the cameras too. The frame is the one whose projection is 2D: the camera's or the world's, with the person's place
-/// or without it; where that is missing it is found from 2D. Legs that are called by the other side's name are renamed.
-/// All of that is told in the log. Throws Error(kBadInput).
+/// The file does not say in which frame and unit 3D is. The unit, also that of the cameras' positions, follows from the
+/// length of legs. The frame is the one whose projection is 2D: the camera's or the world's, with or without the
+/// person's position, which is found from 2D if it is missing. Legs with the other side's name are renamed. All of this
+/// is logged. Throws Error(kBadInput).
 Dataset ImportSkiPose(const BenchmarkOptions& options);
 
 }  // namespace canonpose

@@ -11,6 +11,7 @@
 
 #include "canonpose/base/hdf5.h"
 #include "canonpose/data/readers/benchmarks/benchmarks_testing.h"
+#include "canonpose/geometry/points.h"
 
 namespace canonpose {
 namespace {
@@ -39,9 +40,9 @@ TEST(SkiPoseTest, ViewsBySubjectSequenceCameraAndFrame) {
     ExpectRightIsRight(dataset, Find(sequence, "cam_01"));
   }
   EXPECT_EQ(Find(dataset, "S1 seq_103").subject, "S1");
-  EXPECT_THAT(
-      log, AllOf(HasSubstr("3D is in m, as legs are"), HasSubstr("relative to the person"), HasSubstr("0.00 px of 2D"),
-                 HasSubstr("2 of 60 views are not in the file"), HasSubstr("left and right are what they are")));
+  EXPECT_THAT(log, AllOf(HasSubstr("3D is in m, since legs are"), HasSubstr("relative to the person"),
+                         HasSubstr("0.00 px of 2D"), HasSubstr("2 of 60 views are not in the file"),
+                         HasSubstr("left and right are named correctly")));
   EXPECT_EQ(Import(Options("skipose", {"skipose/test"})).dataset.sequences[0].name, "S3 seq_007");
 }
 
@@ -69,7 +70,6 @@ class SkiRows {
 TEST(SkiPoseTest, FrameAndUnitOfPosesAreFound) {
   const TemporaryFolder folder;
   const Dataset original = Import(Options("skipose", {"skipose/test"})).dataset;
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
   for (const bool is_world : {false, true}) {
     SkiRows rows;
     // Absolute poses, from the places that the importer found.
@@ -77,7 +77,7 @@ TEST(SkiPoseTest, FrameAndUnitOfPosesAreFound) {
       const Sequence& sequence = original.sequences[0];
       const CameraView& view = Find(sequence, fmt::format("cam_{:02.0f}", rows["cam"][i]));
       const auto frame = static_cast<std::size_t>((rows["frame"][i] - 5) / 3);
-      Eigen::Map<Rows> pose(&rows["3D"][51 * i], 17, 3);
+      Eigen::Map<Points3d> pose(&rows["3D"][51 * i], 17, 3);
       for (std::size_t k = 0; k < 51; ++k) rows["3D"][51 * i + k] = 0.1 * view.truth[51 * frame + k];
       Eigen::Map<Eigen::Vector3d> place(&rows["cam_position"][3 * i]);
       place *= 100.0;
@@ -86,7 +86,7 @@ TEST(SkiPoseTest, FrameAndUnitOfPosesAreFound) {
     }
     const auto [dataset, log] = Import(Options("skipose", {rows.Write(folder / "labels.h5")}));
     EXPECT_THAT(log, AllOf(HasSubstr("3D is in cm"),
-                           HasSubstr(is_world ? "in the world's frame: so" : "in the camera's frame: so")));
+                           HasSubstr(is_world ? "in the world's frame, where" : "in the camera's frame, where")));
     for (std::size_t i = 0; i < original.sequences[0].cameras[0].truth.size(); ++i) {
       EXPECT_NEAR(dataset.sequences[0].cameras[0].truth[i], original.sequences[0].cameras[0].truth[i], 0.1);
     }
@@ -95,7 +95,8 @@ TEST(SkiPoseTest, FrameAndUnitOfPosesAreFound) {
 
 TEST(SkiPoseTest, RotationsAreCheckedBetweenCameras) {
   const TemporaryFolder folder;
-  EXPECT_THAT(Import(Options("skipose", {"skipose/test"})).log, HasSubstr("joints 0.0 mm apart in the world"));
+  EXPECT_THAT(Import(Options("skipose", {"skipose/test"})).log,
+              HasSubstr("differs between cameras by 0.0 mm in the world"));
   SkiRows inverse;
   SkiRows wrong;
   using Rotation = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
@@ -106,7 +107,7 @@ TEST(SkiPoseTest, RotationsAreCheckedBetweenCameras) {
     rotation = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()) * rotation;
   }
   const auto [dataset, log] = Import(Options("skipose", {inverse.Write(folder / "labels.h5")}));
-  EXPECT_THAT(log, HasSubstr("R_cam_2_world leads from the world to the camera"));
+  EXPECT_THAT(log, HasSubstr("R_cam_2_world is inverted"));
   const Dataset original = Import(Options("skipose", {"skipose/test"})).dataset;
   const Camera& camera = dataset.sequences[0].cameras[1].calibration[0];
   const Camera& truth = original.sequences[0].cameras[1].calibration[0];
@@ -115,7 +116,7 @@ TEST(SkiPoseTest, RotationsAreCheckedBetweenCameras) {
               HasSubstr("do not trust a triangulation"));
 }
 
-TEST(SkiPoseTest, LegsUnderTheOtherSidesNameAreRenamed) {
+TEST(SkiPoseTest, LegsWithTheOtherSidesNameAreRenamed) {
   const TemporaryFolder folder;
   SkiRows rows;
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -123,12 +124,12 @@ TEST(SkiPoseTest, LegsUnderTheOtherSidesNameAreRenamed) {
     for (std::size_t k = 2; k < 8; ++k) std::swap(rows["2D"][34 * i + k], rows["2D"][34 * i + k + 6]);
   }
   const auto [dataset, log] = Import(Options("skipose", {rows.Write(folder / "labels.h5")}));
-  EXPECT_THAT(log, HasSubstr("the left leg is called right and the right one left"));
+  EXPECT_THAT(log, HasSubstr("the left and right legs have each other's names"));
   ExpectNear(Find(dataset.sequences[0], "cam_00").keypoints, File("skipose/expected.npz"),
              "S3 seq_007|cam_00|keypoints");
 }
 
-TEST(SkiPoseTest, WhatIsWrongIsRefused) {
+TEST(SkiPoseTest, InvalidFilesAreRefused) {
   const TemporaryFolder folder;
   const auto refusal = [&](auto change) {
     SkiRows rows;

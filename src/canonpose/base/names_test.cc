@@ -1,0 +1,16 @@
+#include "canonpose/base/names.h"
+
+#include <gtest/gtest.h>
+
+namespace canonpose {
+namespace {
+
+TEST(Names, CaseIsIgnored) {
+  EXPECT_EQ(LowerCase("LHip 2"), "lhip 2");
+  EXPECT_TRUE(SameName("LHip", "lhip"));
+  EXPECT_FALSE(SameName("LHip", "LHi"));
+  EXPECT_FALSE(SameName("LHip", "RHip"));
+}
+
+}  // namespace
+}  // namespace canonpose

@@ -1,0 +1,45 @@
+#include "canonpose/cli/with_torch.h"
+
+#include <nlohmann/json.hpp>
+
+#include "canonpose/base/error.h"
+#include "canonpose/lift/lifter.h"
+#include "canonpose/model/pose_morph.h"
+#include "canonpose/model/runtime.h"
+#include "canonpose/pipeline/model_poses.h"
+#include "canonpose/train/checkpoint.h"
+#include "canonpose/train/options.h"
+
+namespace canonpose {
+
+void UseOneThread() { SetThreadCount(0); }
+
+std::string DescribeLinearAlgebra() {
+  const LinearAlgebraSpeed speed = MeasureLinearAlgebra();
+  return nlohmann::json{
+      {"library", LinearAlgebraLibrary()}, {"gflops", speed.gflops}, {"openblas_gflops", speed.openblas_gflops}}
+      .dump();
+}
+
+bool IsTrainingOption(const std::string& name) { return TrainOptions::Has(name); }
+
+std::optional<ModelInfo> CheckpointInfo(const std::filesystem::path& path) {
+  if (!IsCheckpoint(path)) return std::nullopt;
+  return ReadCheckpoint(path).info;
+}
+
+void ApplyMorph(const std::filesystem::path& model, Dataset& dataset, const std::string& file) {
+  PoseMorph::Open(model).Apply(dataset, file);
+}
+
+EvaluationReport EvaluateModel(const std::filesystem::path& model, const std::string& device,
+                               const DatasetEvaluation& job) {
+  const PoseLifter lifter = PoseLifter::Open(model, device);
+  if (job.canonical && lifter.info().network != "canonical") {
+    ThrowInvalidArgument("`canonical` is for models with a canonical pose: {} predicts poses in the camera alone",
+                         model.string());
+  }
+  return EvaluateDatasets(job, ModelPoses(lifter));
+}
+
+}  // namespace canonpose

@@ -1,0 +1,24 @@
+// The bytes of one .npy array (https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html). Only for
+// npz.cc.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "canonpose/data/codecs/npz.h"
+
+namespace canonpose::npy {
+
+/// Header of version 1.0 for the type `descr` ("<f4"), C order, padded to 64 bytes.
+std::string MakeHeader(const std::string& descr, const std::vector<std::size_t>& shape);
+
+/// The texts in UTF-32, each padded with zeros to `*width` characters.
+std::string EncodeTexts(const std::vector<std::string>& texts, std::size_t* width);
+
+/// The array in `bytes`. Throws Error(kBadInput) that names `file` and `name`.
+NpyArray Parse(const std::string& bytes, const std::string& file, const std::string& name);
+
+/// The pickle that an array of Python objects is stored as. Throws Error(kBadInput) where `bytes` is another array.
+std::string ParsePickle(const std::string& bytes, const std::string& file, const std::string& name);
+
+}  // namespace canonpose::npy

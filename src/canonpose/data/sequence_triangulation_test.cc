@@ -1,0 +1,52 @@
+#include "canonpose/data/sequence_triangulation.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "canonpose/data/two_cameras_testing.h"
+
+namespace canonpose {
+namespace {
+
+using testing::TwoCameras;
+
+TEST(TriangulateSequence, GivesPosesInEachCamerasFrame) {
+  const SequencePoses poses = TriangulateSequence(TwoCameras().sequences[0], 3);
+  const std::vector<float>& a = poses.poses_in_camera[0];
+  const std::vector<float>& b = poses.poses_in_camera[1];
+  EXPECT_NEAR(a[3], 200.0F, 0.05F);
+  EXPECT_NEAR(a[4], 300.0F, 0.05F);
+  EXPECT_NEAR(a[5], 4100.0F, 0.05F);
+  EXPECT_NEAR(b[3], 100.0F, 0.05F);
+  EXPECT_NEAR(b[5], 3800.0F, 0.05F);
+}
+
+TEST(TriangulateSequence, AJointThatOneViewMissesIsUnknown) {
+  Dataset dataset = TwoCameras();
+  dataset.sequences[0].cameras[1].confidence[2] = 0.0F;
+  std::vector<double> errors_px = {1.0};
+  const SequencePoses poses = TriangulateSequence(dataset.sequences[0], 3, &errors_px);
+  EXPECT_TRUE(std::isnan(poses.poses_in_camera[0][6]));
+  EXPECT_EQ(errors_px.size(), 5U) << "two joints in two views, after what was there";
+}
+
+TEST(TriangulateSequence, NearlyParallelRaysGiveNothing) {
+  Dataset dataset = TwoCameras();
+  dataset.sequences[0].cameras[1] = dataset.sequences[0].cameras[0];
+  dataset.sequences[0].cameras[1].calibration[0].camera_from_world_translation.x() += 50.0;
+  EXPECT_TRUE(std::isnan(TriangulateSequence(dataset.sequences[0], 3).poses_in_camera[0][0]));
+}
+
+TEST(TriangulateSequence, CamerasWithoutCalibrationGetNoPoses) {
+  Dataset dataset = TwoCameras();
+  dataset.sequences[0].cameras.push_back(dataset.sequences[0].cameras[1]);
+  dataset.sequences[0].cameras[1].calibration.clear();
+  const SequencePoses poses = TriangulateSequence(dataset.sequences[0], 3);
+  EXPECT_TRUE(poses.poses_in_camera[1].empty());
+  EXPECT_NEAR(poses.poses_in_camera[0][3], 200.0F, 0.05F);
+}
+
+}  // namespace
+}  // namespace canonpose

@@ -1,0 +1,60 @@
+#include "canonpose/data/solved_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "canonpose/base/error.h"
+
+namespace canonpose {
+namespace {
+
+bool IsSolved(const CameraView& view) { return !view.solved.empty() && !view.solved_calibration.empty(); }
+
+/// Adds what one view knows of a frame to joints that are still missing.
+void AddPose(const CameraView& view, int frame, PoseSequence& person) {
+  const Camera& camera = view.SolvedCalibrationAt(frame);
+  const auto joints = static_cast<std::size_t>(person.joint_count());
+  const std::size_t first = static_cast<std::size_t>(frame) * joints;
+  for (std::size_t j = 0; j < joints; ++j) {
+    const float* const position = &view.solved[3 * (first + j)];
+    if (std::isnan(position[0]) || person.IsKnown(frame, static_cast<int>(j))) continue;
+    const Eigen::Vector3d in_camera(position[0], position[1], position[2]);
+    const Eigen::Vector3d in_world =
+        camera.camera_from_world_rotation.transpose() * (in_camera - camera.camera_from_world_translation);
+    person.PoseAt(frame).row(static_cast<Eigen::Index>(j)) = in_world.cast<float>();
+    if (!view.solved_uncertainty.empty()) person.standard_deviation()[first + j] = view.solved_uncertainty[first + j];
+  }
+}
+
+}  // namespace
+
+Scene SceneOfSolved(const Dataset& dataset, const Sequence& sequence, const std::string& file) {
+  if (std::ranges::none_of(sequence.cameras, IsSolved)) {
+    ThrowBadInput({file, "/sequences/" + sequence.name, "3D poses that were solved", "none",
+                   "run `canonpose solve` on it first"});
+  }
+  Scene scene;
+  scene.name = sequence.name;
+  PoseSequence& person = scene.people.emplace_back(dataset.skeleton, sequence.frame_count);
+  person.name = sequence.subject;
+  person.fps = sequence.fps;
+  person.unit = LengthUnit::kBodyLengths;
+  for (const CameraView& view : sequence.cameras) {
+    for (std::size_t i = 0; i < view.confidence.size(); ++i) {
+      person.confidence()[i] = std::max(person.confidence()[i], view.confidence[i]);
+    }
+    SceneCamera& camera = scene.cameras.emplace_back();
+    camera.name = view.name;
+    camera.image_size_px = view.image_size;
+    camera.calibration = view.solved_calibration;
+    camera.used = IsSolved(view);
+    if (!camera.used) camera.why_not_used = "no solution of it was found";
+  }
+  for (const CameraView& view : sequence.cameras) {
+    if (!IsSolved(view)) continue;
+    for (int t = 0; t < sequence.frame_count; ++t) AddPose(view, t, person);
+  }
+  return scene;
+}
+
+}  // namespace canonpose

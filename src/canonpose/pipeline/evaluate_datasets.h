@@ -1,0 +1,48 @@
+// What `evaluate` does with datasets: reads them, takes what the protocol evaluates, has its poses predicted, compares.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "canonpose/data/dataset.h"
+#include "canonpose/evaluate/evaluation.h"
+
+namespace canonpose {
+
+struct DatasetEvaluation {
+  std::vector<std::filesystem::path> files;  ///< datasets of the same joints
+  Protocol protocol;
+  std::optional<FrameRange> frames;
+  std::vector<std::string> left_out;    ///< joints by name
+  bool with_cameras = false;            ///< solved cameras are compared with calibrated ones, too
+  bool canonical = false;               ///< canonical poses are compared with each other, too
+  FrameErrors* frame_errors = nullptr;  ///< filled where it is given
+};
+
+/// Predicted poses of the T frames of one view; (T, J, 3) in its camera's frame, NaN or empty where there are none.
+struct PredictedPoses {
+  std::vector<float> pose_in_camera;
+  std::vector<float> canonical;  ///< of a model, (T, J, 3)
+};
+
+struct Predictor {
+  /// Throws where a dataset does not suit.
+  std::function<void(const Dataset& dataset, const std::string& file)> check;
+  /// Called view by view, sequence by sequence.
+  std::function<PredictedPoses(const Sequence& sequence, std::size_t camera)> predict;
+};
+
+/// The stored poses of a solved dataset.
+Predictor SolvedPoses();
+
+/// What all calibrated cameras together give, to be compared with truth: no lifter of a single view with the same
+/// keypoints does better.
+Predictor TriangulatedPoses();
+
+/// Throws Error(kBadInput) where a file cannot be evaluated so, or holds none of the protocol's subjects or frames.
+EvaluationReport EvaluateDatasets(const DatasetEvaluation& job, const Predictor& predictor);
+
+}  // namespace canonpose

@@ -1,0 +1,43 @@
+#include "canonpose/pipeline/lifter_start.h"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "canonpose/base/testing.h"
+#include "canonpose/pipeline/pipeline_testing.h"
+
+namespace canonpose {
+namespace {
+
+using testing::ErrorOf;
+using ::testing::HasSubstr;
+using testing::ShareStarted;
+using testing::SmallCapture;
+
+TEST(Bootstrap, TakesTheStarterForPeople) {
+  const Dataset dataset = SmallCapture("studio");
+  const StartPoses start = Bootstrap(dataset, "data.h5", {});
+  ASSERT_EQ(start.sequences.size(), 1U);
+  ASSERT_EQ(start.sequences[0].size(), dataset.sequences[0].cameras.size());
+  EXPECT_EQ(start.sequences[0][0].size(), dataset.sequences[0].cameras[0].truth.size());
+  EXPECT_GT(ShareStarted(start), 0.9);
+  // Poses are centred on the root.
+  const auto root = 3 * static_cast<std::size_t>(dataset.skeleton.root);
+  EXPECT_NEAR(start.sequences[0][0][root], 0.0F, 1e-6);
+}
+
+TEST(Bootstrap, TrainingALifterForItCanBeStopped) {
+  BootstrapOptions options;
+  options.kind = "method";
+  int polls = 0;
+  Callbacks callbacks;
+  callbacks.stop = [&] { return ++polls > 3; };
+  const CallbackScope scope(callbacks);
+  const Dataset dataset = SmallCapture("studio");
+  EXPECT_THAT(ErrorOf(ErrorKind::kStopped, [&] { Bootstrap(dataset, "data.h5", options); }), HasSubstr("stopped"));
+}
+
+}  // namespace
+}  // namespace canonpose

@@ -1,7 +1,9 @@
 #include "canonpose/solve/adjustment.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string>
 
 #include <ceres/loss_function.h>
 #include <ceres/manifold.h>
@@ -19,7 +21,7 @@ namespace {
 /// How far the logarithm of a view's image scale may be from the start's.
 constexpr double kLogScale = 0.3;
 
-/// Builds the problem term by term; Adjust() below is the plot.
+/// Builds the problem term by term; Adjust() below is the outline.
 class AdjustmentProblem {
  public:
   AdjustmentProblem(const CaptureObservations& capture, std::span<const int> frames, const AdjustmentOptions& options,
@@ -40,7 +42,7 @@ class AdjustmentProblem {
   void AddCameraMotion();
   void AddFocalPriors();
   void FixWhatIsKnown();
-  bool Solve();
+  AdjustmentSummary Solve();
 
  private:
   static ceres::Problem::Options ProblemOptions() {
@@ -52,7 +54,7 @@ class AdjustmentProblem {
   }
   [[nodiscard]] bool IsSolved(int frame, int joint) const { return estimate_.Joint(frame, joint).allFinite(); }
   double* JointData(int frame, int joint) { return estimate_.Joint(frame, joint).data(); }
-  /// Runs of at least `length` consecutive frames end at element i.
+  /// Whether frame i is at least the `length`-th of its run.
   [[nodiscard]] bool FollowsRun(std::size_t i, std::size_t length) const {
     return i + 1 >= length && runs_[i] == runs_[i + 1 - length];
   }
@@ -188,7 +190,7 @@ void AdjustmentProblem::AddCameraMotion() {
 
 void AdjustmentProblem::AddFocalPriors() {
   if (!options_.free_cameras) return;
-  // A prior for each camera, or for each frame of a moving one: then as weak as if it were one for the whole run.
+  // A static camera has one prior. A moving one has one in each frame, which together weigh as much as that.
   const double weight = estimate_.static_cameras ? 1.0 : 1.0 / std::sqrt(static_cast<double>(frames_.size()));
   const int frame_count = estimate_.static_cameras ? 1 : static_cast<int>(frames_.size());
   for (int i = 0; i < frame_count; ++i) {
@@ -196,7 +198,7 @@ void AdjustmentProblem::AddFocalPriors() {
       CameraEstimate& camera = estimate_.CameraAt(frames_[static_cast<std::size_t>(i)], v);
       if (!camera.valid) continue;
       if (!estimate_.static_cameras && problem_.HasParameterBlock(camera.placement.data())) {
-        // Weak, for views that see too little to tell: where the start had it.
+        // Weak, for views that see too little to determine their scale.
         problem_.AddResidualBlock(ScalePriorTerm::Create(camera.placement[2], 1.0 / kLogScale), nullptr,
                                   camera.placement.data());
       }
@@ -247,15 +249,34 @@ void AdjustmentProblem::FixWhatIsKnown() {
   }
 }
 
-bool AdjustmentProblem::Solve() {
-  if (!has_observations_) return false;
+/// From Ceres's summary; the reason is its message.
+AdjustmentSummary Summarise(const ceres::Solver::Summary& found) {
+  AdjustmentSummary summary;
+  if (found.termination_type == ceres::CONVERGENCE) summary.ending = AdjustmentEnding::kConverged;
+  if (found.termination_type == ceres::NO_CONVERGENCE) summary.ending = AdjustmentEnding::kIterationLimit;
+  summary.reason = found.message;
+  std::ranges::replace(summary.reason, '\n', ' ');
+  while (summary.reason.ends_with('.') || summary.reason.ends_with(' ')) summary.reason.pop_back();
+  // The first entry is the start.
+  summary.iterations = std::max(0, static_cast<int>(found.iterations.size()) - 1);
+  if (found.initial_cost >= 0.0) summary.initial_cost = found.initial_cost;  // -1 where it could not be computed
+  if (found.final_cost >= 0.0) summary.final_cost = found.final_cost;
+  return summary;
+}
+
+AdjustmentSummary AdjustmentProblem::Solve() {
+  if (!has_observations_) {
+    AdjustmentSummary nothing;
+    nothing.reason = "no camera whose pose is known sees a joint whose position is known";
+    return nothing;
+  }
   ceres::Solver::Options options = SerialOptions(ceres::SPARSE_NORMAL_CHOLESKY, options_.iterations);
   options.function_tolerance = 1e-5;
   options.parameter_tolerance = 1e-7;
   ceres::Solver::Summary summary;
   const OneOpenMpThread one_thread;
   ceres::Solve(options, &problem_, &summary);
-  return summary.IsSolutionUsable();
+  return Summarise(summary);
 }
 
 }  // namespace
@@ -269,8 +290,20 @@ std::vector<int> RunsOf(const CaptureObservations& capture, std::span<const int>
   return runs;
 }
 
-bool Adjust(const CaptureObservations& capture, std::span<const int> frames, const AdjustmentOptions& options,
-            RigEstimate& estimate) {
+const char* NameOf(AdjustmentEnding ending) {
+  switch (ending) {
+    case AdjustmentEnding::kConverged:
+      return "converged";
+    case AdjustmentEnding::kIterationLimit:
+      return "stopped early";
+    case AdjustmentEnding::kFailed:
+      return "failed";
+  }
+  return "";
+}
+
+AdjustmentSummary Adjust(const CaptureObservations& capture, std::span<const int> frames,
+                         const AdjustmentOptions& options, RigEstimate& estimate) {
   AdjustmentProblem problem(capture, frames, options, estimate);
   problem.AddObservations();
   problem.AddBones();

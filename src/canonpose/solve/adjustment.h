@@ -1,19 +1,33 @@
-// The bundle adjustment of some frames of a capture: what it minimises and what it leaves fixed.
+// The bundle adjustment of some frames of a capture: what it minimises and what it holds fixed.
 //
-//   E = sum over n, v, j  rho( |x_nvj - project(camera_nv, X_nj)| / (s_nv sigma_nvj) )         what is seen
-//     + sum over n, bones ( log(|X_na - X_nb| / L_b) / sigma_bone )^2                         limbs keep their length
-//     + sum over n, j     huber( |X_n-1j - 2 X_nj + X_n+1j| / sigma_acc_j )                   motion is smooth
-//     + moving cameras: (turning / sigma_turn)^2 + (change of turning / sigma_turn2)^2 + (zoom / sigma_zoom)^2
-//     + (log focal length / sigma_focal)^2
+// clang-format off
+//   E = sum over n, v, j      rho( |x_nvj - project(camera_nv, X_nj)| / (s_nv sigma_nvj) )    what the cameras see
+//     + sum over n, bones     ( log(|X_na - X_nb| / L_b) / sigma_bone )^2                     bones keep their lengths
+//     + sum over n, j         huber( |X_n-1j - 2 X_nj + X_n+1j| / sigma_acc_j )               motion is smooth
+//     + sum over v            ( (log f_v - log f_expected) / sigma_focal )^2                  lenses are ordinary ones
+//     + 10^6 ( log(sum over bones L_b) )^2                                                    the unit; one subject's
+//   static cameras:
+//     + sum over pairs v, w   ( log(f_v / f_w) / sigma_between )^2                            lenses are alike
+//   moving cameras, which have focal lengths f_nv:
+//     + sum over n, v         ( |w_nv| / sigma_w )^2 + ( |w_nv - w_n-1v| fps / sigma_a )^2    they rotate evenly
+//     + sum over n, v         ( log(f_nv / f_n-1v) / sigma_zoom )^2 fps                       and zoom slowly
+//     + sum over n, v         ( log(s_nv / s_nv at the start) / sigma_scale )^2               weak, against drift
+// clang-format on
 //
-// s_nv is the image scale of a body unit, so that errors count in the body's size; sigma_nvj the scatter of the joint
-// at its confidence; rho Cauchy's loss. The bone lengths L_b are unknown; so are the focal lengths. Frames are coupled
-// by smoothness to their neighbours alone and by few parameters to all, so that the normal equations are banded with a
-// border: Ceres's sparse Cholesky factorisation needs time and memory that grow with the number of frames. The joints
-// of a frame are eliminated first.
+// n counts frames, v views, j joints; x are keypoints, X joints. rho is Cauchy's loss, a^2 log(1 + e^2 / a^2), and
+// huber Huber's. s_nv is the image scale of a body unit, so that errors count in the body's size; sigma_nvj the scatter
+// of the joint at its confidence; w_nv the angular velocity of a camera in rad/s. Where cameras move, the focal lengths
+// of all frames together count as much as the one of a static camera.
+//
+// The unknowns are the joints and, unless AdjustmentOptions holds them fixed, the cameras and the bone lengths L_b.
+// Smoothness couples a frame to its neighbours, and only a few parameters are shared by all frames, so the normal
+// equations are banded with a border: time and memory of Ceres's sparse Cholesky factorisation are proportional to the
+// number of frames.
 #pragma once
 
+#include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "canonpose/solve/noise_model.h"
@@ -44,15 +58,36 @@ struct AdjustmentOptions {
   bool free_bones = true;
   double loss_scale = kLossScale;
   int iterations = 30;
-  int fixed_view = -1;  ///< static cameras: the one that is the world; -1: none is held
+  int fixed_view = -1;  ///< the static camera that is held fixed; -1: none
 };
 
-/// Improves `estimate` at `frames` (ascending). Joints that are NaN, and cameras that are not valid, take no part.
-/// Returns false, the estimate as good as it got, where the solver failed.
-bool Adjust(const CaptureObservations& capture, std::span<const int> frames, const AdjustmentOptions& options,
-            RigEstimate& estimate);
+enum class AdjustmentEnding {
+  kConverged,       ///< a further step would hardly lower the cost
+  kIterationLimit,  ///< stopped early, after AdjustmentOptions::iterations; the estimate is as good as it got
+  kFailed,          ///< the estimate is as it was before, and not a solution
+};
 
-/// The number of the run of consecutive frames of one clip that each of `frames` belongs to.
+/// "converged", "stopped early" or "failed".
+const char* NameOf(AdjustmentEnding ending);
+
+/// How an adjustment went.
+struct [[nodiscard]] AdjustmentSummary {
+  AdjustmentEnding ending = AdjustmentEnding::kFailed;
+  std::string reason = "not started";  ///< why it ended there, in words, one line
+  int iterations = 0;
+  /// Half of E at the start and at the end; NaN where it could not be computed.
+  double initial_cost = std::numeric_limits<double>::quiet_NaN();
+  double final_cost = std::numeric_limits<double>::quiet_NaN();
+
+  [[nodiscard]] bool IsUsable() const { return ending != AdjustmentEnding::kFailed; }
+};
+
+/// Improves `estimate` at `frames` (ascending), leaving out joints that are NaN and cameras that are not valid.
+/// Numerical failures are not thrown but reported in the summary.
+AdjustmentSummary Adjust(const CaptureObservations& capture, std::span<const int> frames,
+                         const AdjustmentOptions& options, RigEstimate& estimate);
+
+/// Numbers the runs of consecutive frames of one clip in `frames`: for each element, the number of its run.
 std::vector<int> RunsOf(const CaptureObservations& capture, std::span<const int> frames);
 
 }  // namespace canonpose

@@ -8,6 +8,7 @@
 
 #include "canonpose/base/median.h"
 #include "canonpose/base/parallel.h"
+#include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/rotation_averaging.h"
@@ -23,57 +24,71 @@ constexpr double kRotationSeconds = 0.5;
 constexpr int kRuns = 6;
 constexpr int kRunFrames = 50;
 
-/// To the scatter that there is.
-void AdjustToNoise(const CaptureObservations& capture, std::span<const int> frames, int fixed_view,
-                   Solution& solution) {
+/// Adjusts with the scatter of keypoints as it was measured last, and measures it again.
+AdjustmentSummary AdjustToNoise(const CaptureObservations& capture, std::span<const int> frames, int fixed_view,
+                                Solution& solution) {
   AdjustmentOptions options;
   options.fixed_view = fixed_view;
   options.scales = solution.scales;
   options.loss_scale = kLossScale;
   options.iterations = capture.static_cameras ? 100 : 15;
-  Adjust(capture, frames, options, solution.estimate);
-  solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+  AdjustmentSummary summary = Adjust(capture, frames, options, solution.estimate);
+  if (summary.IsUsable()) solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+  return summary;
 }
 
-/// From far off with a wide loss, then to the scatter that there is.
-void AdjustTwice(const CaptureObservations& capture, std::span<const int> frames, int fixed_view, Solution& solution) {
+/// Adjusts first with a wide loss, since the start may be far off, then by AdjustToNoise().
+AdjustmentSummary AdjustTwice(const CaptureObservations& capture, std::span<const int> frames, int fixed_view,
+                              Solution& solution) {
+  const bool has_joints =
+      std::ranges::any_of(solution.estimate.joints, [](const Eigen::Vector3d& joint) { return joint.allFinite(); });
+  if (!has_joints) {
+    AdjustmentSummary nothing;
+    nothing.reason = "the poses to start from contradict the keypoints in every frame";
+    return nothing;
+  }
   AdjustmentOptions options;
   options.fixed_view = fixed_view;
   options.scales = solution.scales;
   options.scales.observation = MeasureNoise(capture, frames, solution.estimate);
   options.loss_scale = 3.0;
   options.iterations = 10;
-  Adjust(capture, frames, options, solution.estimate);
+  AdjustmentSummary coarse = Adjust(capture, frames, options, solution.estimate);
+  if (!coarse.IsUsable()) return coarse;
   solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
-  AdjustToNoise(capture, frames, fixed_view, solution);
+  return AdjustToNoise(capture, frames, fixed_view, solution);
 }
 
 /// What one of the two mirrors came to after each adjustment; the last is the result.
 using Stages = std::vector<Solution>;
 
-/// How many standard errors the first mirror explains the frames better than the second after every adjustment: the
-/// least of these leads, 0 where the mirrors take turns.
+/// By how many standard errors the first mirror explains the frames better than the second after every adjustment: the
+/// smallest of these leads, 0 where the lead changes sides.
 double LastingPreference(const CaptureObservations& capture, std::span<const int> frames, const Stages& a,
                          const Stages& b) {
-  double least = Preference(capture, frames, a.front(), b.front());
+  double smallest = Preference(capture, frames, a.front(), b.front());
   for (std::size_t i = 1; i < a.size(); ++i) {
     const double preference = Preference(capture, frames, a[i], b[i]);
-    if (preference * least <= 0.0) return 0.0;
-    if (std::abs(preference) < std::abs(least)) least = preference;
+    if (preference * smallest <= 0.0) return 0.0;
+    if (std::abs(preference) < std::abs(smallest)) smallest = preference;
   }
-  return least;
+  return smallest;
 }
 
-/// Solves from the start's poses and from their depth mirror, and keeps what explains the keypoints better. Without
-/// sure evidence the start is kept: a lifter has learnt from people, or its own mirror was decided when it was trained;
-/// with a factorisation either is as good.
+/// Solves from the start's poses and from their mirror, and keeps the solution that explains the keypoints better.
+/// Where the evidence is not decisive, keeps the start's: a lifter has learnt what people look like, or its own mirror
+/// was decided in training; after a factorisation either is as good.
 Solution DecideMirror(const CaptureObservations& capture, std::span<const int> frames,
                       const CalibrationOptions& options, const std::function<Stages(bool mirrored)>& solve) {
   if (options.mirror != "auto") return std::move(solve(options.mirror == "flip").back());
   std::array<Stages, 2> stages;
   InParallel(2, options.threads, [&](int i) { stages[static_cast<std::size_t>(i)] = solve(i == 1); });
+  // A mirror that could not be adjusted is not evidence either way.
+  if (!stages[0].back().calibration.IsUsable() || !stages[1].back().calibration.IsUsable()) {
+    return std::move(stages[0].back());
+  }
   const double preference = LastingPreference(capture, frames, stages[0], stages[1]);
-  Solution& best = stages[preference < -kSureSigma ? 1 : 0].back();
+  Solution& best = stages[preference < -kDecisiveSigma ? 1 : 0].back();
   best.mirror_sigma = std::abs(preference);
   if (preference < 0.0 && !best.mirrored) best.mirror_sigma = preference;
   return std::move(best);
@@ -127,7 +142,7 @@ Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOp
     Solution solution;
     solution.mirrored = mirrored;
     solution.estimate = InitialiseStatic(capture, frames, camera_from_world, mirrored);
-    AdjustTwice(capture, frames, ReferenceView(camera_from_world), solution);
+    solution.calibration = AdjustTwice(capture, frames, ReferenceView(camera_from_world), solution);
     return Stages{std::move(solution)};
   });
 }
@@ -145,11 +160,13 @@ Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOp
     solution.mirrored = mirrored;
     solution.estimate = InitialiseMoving(capture, usable, camera_from_world, mirrored);
     solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
-    AdjustTwice(capture, frames, -1, solution);
+    solution.calibration = AdjustTwice(capture, frames, -1, solution);
+    if (!solution.calibration.IsUsable()) return Stages{std::move(solution)};
     solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);
     Stages stages{solution};
-    // Once more with the angular velocity that was measured: a lead that only one of the adjustments shows is chance.
-    AdjustToNoise(capture, frames, -1, solution);
+    // Once more with the measured angular velocity: a lead that only one of the adjustments shows is chance.
+    solution.calibration = AdjustToNoise(capture, frames, -1, solution);
+    if (!solution.calibration.IsUsable()) return Stages{std::move(solution)};
     solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);
     SpreadFocalLengths(capture, frames, solution);
     stages.push_back(std::move(solution));

@@ -1,31 +1,33 @@
-// Finding the cameras of a capture, and which of the two mirror solutions is right, from some of its frames.
+// Finds the cameras of a capture from some of its frames, and decides the depth-reversal ambiguity, that is, between
+// the solution and its mirror.
 #pragma once
 
 #include <string>
 
-#include "canonpose/solve/fit.h"
 #include "canonpose/solve/observations.h"
+#include "canonpose/solve/solution.h"
 
 namespace canonpose {
 
-/// Evidence for one of the mirror solutions that is called sure, in standard errors.
-inline constexpr double kSureSigma = 4.0;
+/// The evidence, in standard errors, from which on it decides between a solution and its mirror.
+inline constexpr double kDecisiveSigma = 4.0;
 
 struct CalibrationOptions {
-  std::string mirror = "auto";  ///< auto, keep, flip
+  std::string mirror = "auto";  ///< auto, keep or flip; see SolveOptions (solver.h)
   int frames = 400;             ///< of a static capture
   int threads = 1;
 };
 
-/// The cameras of a static capture and the bone lengths of its subjects, from frames spread evenly over it; joints are
-/// set in these frames only. Starts from the lifter's poses: their relative rotations, averaged over all frames.
+/// Finds the cameras of a static capture and the bone lengths of its subjects from evenly spread frames, and sets the
+/// joints of these frames only. Starts from the relative rotations of the lifter's poses, averaged over the capture.
+/// Solution::calibration says whether it succeeded.
 Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOptions& options);
 
-/// The same for moving cameras, from short runs of frames; elsewhere cameras and joints are left as first estimated
-/// from the lifter's poses, with the focal lengths that were found.
+/// The same for moving cameras, from short runs of frames. In all other frames cameras and joints keep the first
+/// estimate from the lifter's poses, but with the focal lengths found in the runs.
 Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOptions& options);
 
-/// Frames in which two views at least were lifted.
+/// The frames in which at least two views were lifted.
 std::vector<int> FramesWithStart(const CaptureObservations& capture);
 
 }  // namespace canonpose

@@ -6,6 +6,7 @@
 #include "canonpose/base/median.h"
 #include "canonpose/solve/calibration.h"
 #include "canonpose/solve/diagnosis.h"
+#include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/time_offset.h"
@@ -14,13 +15,13 @@ namespace canonpose {
 namespace {
 
 constexpr int kOffsetRounds = 3;
-/// Frames in which disagreement is measured.
+/// Disagreement is measured in about this many frames.
 constexpr int kDisagreementFrames = 300;
-/// A view may not belong where the others see its keypoints farther off than this, body units: 0.8 to 2.2 % are usual,
-/// 10 to 30 % where it shows somebody else.
+/// A view is suspected above this disagreement, in body units. Measured on simulated captures: 0.8 to 2.2 % usually, 10
+/// to 30 % where it shows somebody else.
 constexpr double kSuspectDisagreement = 0.04;
-/// It does not where the others without it explain their keypoints this well, and so much better than with it: 0.25 to
-/// 0.6 % are usual, 0.7 to 6 % with a view of somebody else.
+/// It is dropped if without it the error of the others is below kAgreement (body units) and below kAgreementGain times
+/// the error with it. Measured: 0.25 to 0.6 % usually, 0.7 to 6 % with a view of somebody else.
 constexpr double kAgreement = 0.015;
 constexpr double kAgreementGain = 0.8;
 
@@ -31,7 +32,7 @@ void ShiftView(CaptureObservations& capture, int clip, int view, int frames) {
   const ClipRange& range = capture.clips[static_cast<std::size_t>(clip)];
   const auto joints = static_cast<std::size_t>(capture.joint_count());
   for (int i = 0; i < range.count; ++i) {
-    // The last frame first where frames become later: none is overwritten before it has moved.
+    // Frames that become later are moved from the last to the first, so that none is overwritten before it has moved.
     const int t = frames > 0 ? range.count - 1 - i : i;
     const int source = t - frames;
     const bool is_there = source >= 0 && source < range.count;
@@ -79,9 +80,10 @@ double DisagreementOf(const CaptureObservations& capture, const Solution& soluti
 
 namespace {
 
-/// Moves views of a clip in time, that with most to gain first, until they all fit. Adds to `offsets` (clips, V).
+/// Shifts views of a clip in time, always the one that gains most, until all fit. Adds to `offsets` (V) and returns
+/// whether any view was shifted.
 bool AlignClip(CaptureObservations& capture, const Solution& solution, int clip, std::vector<int>& offsets) {
-  // Of two views either may be moved: the last.
+  // Of two views either could be shifted; we take the second.
   std::vector<int> views = solution.estimate.ValidViews(0);
   if (views.size() == 2) views.erase(views.begin());
   bool moved = false;
@@ -112,10 +114,11 @@ void AlignCameras(CaptureObservations& capture, const Calibrate& calibrate, Solu
     }
     if (!moved) return;
     solution = calibrate(capture);
+    if (!solution.calibration.IsUsable()) return;
   }
 }
 
-/// The view without which the others agree, and then their solution; -1 where there is none.
+/// The view without which the others agree, `solution` becoming theirs; -1 where there is none.
 int FindStranger(const CaptureObservations& capture, const Calibrate& calibrate, Solution& solution) {
   double worst = 0.0;
   std::vector<int> used;
@@ -134,6 +137,7 @@ int FindStranger(const CaptureObservations& capture, const Calibrate& calibrate,
     DropView(without, v);
     if (static_cast<int>(FramesWithStart(without).size()) < kMinFrames) continue;
     Solution candidate = calibrate(without);
+    if (!candidate.calibration.IsUsable()) continue;
     const double error = MedianError(without, candidate);
     if (!(error < best)) continue;
     best = error;
@@ -144,7 +148,7 @@ int FindStranger(const CaptureObservations& capture, const Calibrate& calibrate,
   return stranger;
 }
 
-/// Has most cameras of each clip keep their time.
+/// Shifts all views of a clip by the same number of frames so that most of them keep their own time.
 void KeepMajority(CaptureObservations& capture, const std::vector<bool>& dropped,
                   std::vector<std::vector<int>>& offsets) {
   for (std::size_t clip = 0; clip < offsets.size(); ++clip) {
@@ -178,6 +182,7 @@ CameraCheck CheckCameras(CaptureObservations& capture, const Calibrate& calibrat
   check.dropped.assign(capture.cameras.size(), false);
   for (;;) {
     if (capture.static_cameras) AlignCameras(capture, calibrate, solution, check.offsets);
+    if (!solution.calibration.IsUsable()) return check;
     const int stranger = FindStranger(capture, calibrate, solution);
     if (stranger < 0) break;
     DropView(capture, stranger);

@@ -1,11 +1,11 @@
-// How Ceres is called everywhere in solve.
+// The options with which solve calls Ceres everywhere.
 #pragma once
 
 #include <ceres/solver.h>
 
 namespace canonpose {
 
-/// Silent, and on one thread: the same bits whatever the machine; problems are solved side by side instead.
+/// Silent and on one thread, so that results have the same bits on every machine. Problems run in parallel instead.
 inline ceres::Solver::Options SerialOptions(ceres::LinearSolverType linear_solver, int iterations) {
   ceres::Solver::Options options;
   options.linear_solver_type = linear_solver;

@@ -9,23 +9,25 @@
 #include "canonpose/base/median.h"
 #include "canonpose/geometry/angles.h"
 #include "canonpose/solve/calibration.h"
+#include "canonpose/solve/fit.h"
 #include "canonpose/solve/initialisation.h"
 
 namespace canonpose {
 namespace {
 
 constexpr int kMeasuredFrames = 200;
-// Measured on simulated captures: studio, handheld and pan-tilt-zoom rigs, nine activities, the usual noise and twice
-// that; statues; pairs of cameras that show different people.
-/// Keypoints of a statue change by 0.06 to 0.12 (usual noise), those of people by 0.36 at least.
+// The limits below were measured on simulated captures: studio, handheld and pan-tilt-zoom rigs, nine activities, the
+// usual noise and twice as much; on people who stand still like statues; and on pairs of cameras that show different
+// people.
+/// Keypoints of a statue move by 0.06 to 0.12 (usual noise), those of people by 0.36 or more.
 constexpr double kMinMotion = 0.18;
 /// Good captures: 0.3 to 0.5 %, with twice the noise up to 1.3 %.
 constexpr double kMaxReprojection = 0.015;
-/// Good captures: 0.05 to 0.09, with twice the noise up to 0.16, growing where cameras are close together. Different
+/// Good captures: 0.05 to 0.09, with twice the noise up to 0.16; more where cameras are close together. Different
 /// people: 0.09 to 1.8.
 constexpr double kMaxBoneScatter = 0.25;
 constexpr double kAngleForBonesDeg = 30.0;
-/// Above both of these two cameras may well show different people, or be noisy.
+/// Above both of these, cameras may show different people or just be noisy.
 constexpr double kDoubtfulReprojection = 0.005;
 constexpr double kDoubtfulBoneScatter = 0.085;
 constexpr double kMinViewAngleDeg = 10.0;
@@ -34,7 +36,8 @@ constexpr double kMaxDepthOverWidth = 1.8;
 /// A quarter longer. Good captures: up to 0.08, with twice the noise 0.14.
 constexpr double kMaxAsymmetry = 0.223;
 
-/// The root's distance to the farthest joint is about this share of a body; the median joint's serves as size.
+/// The size of a body in a view: the root mean square distance of its keypoints from the root; NaN where only one is
+/// seen.
 double ImageSize(const CaptureObservations& capture, int frame, int view) {
   const Eigen::Vector2d root = capture.At(frame, view, capture.skeleton.root);
   double squares = 0.0;
@@ -61,7 +64,7 @@ double LargestAngle(const CaptureObservations& capture, const RigEstimate& estim
   return DegFromRad(largest);
 }
 
-/// Extent along the viewing axis against across it; NaN where joints are missing.
+/// Extent of a pose along the viewing axis relative to its width; NaN where joints are missing.
 double DepthOverWidth(const CaptureObservations& capture, const RigEstimate& estimate, int frame, int view) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Vector3d squares = Eigen::Vector3d::Zero();
@@ -74,7 +77,7 @@ double DepthOverWidth(const CaptureObservations& capture, const RigEstimate& est
   return std::sqrt(variance.z() / variance.x());
 }
 
-/// Adds |log(length / the subject's)| of the bones of a frame, its joints being triangulated by themselves.
+/// Adds |log(length / the subject's)| of the bones of a frame, each joint being triangulated without regard to bones.
 void AddBoneErrors(const CaptureObservations& capture, const Solution& solution, int frame,
                    std::vector<double>& errors) {
   const std::vector<double>& lengths =
@@ -127,7 +130,7 @@ double MotionSpread(const CaptureObservations& capture) {
       const double size = Median(std::move(sizes));
       double squares = 0.0;
       for (std::vector<double>& values : places) {
-        // From one tenth to nine tenths: outliers have no say, and few moments of motion are enough.
+        // From the first to the last decile: outliers do not count, and a few moments of motion are enough.
         const auto low = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 10);
         const auto high = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 9 / 10);
         std::nth_element(values.begin(), low, values.end());
@@ -143,17 +146,18 @@ double MotionSpread(const CaptureObservations& capture) {
 
 std::string MissingInput(const CaptureObservations& capture) {
   if (capture.view_count() < 2) {
-    return fmt::format("needs two cameras at least, has {}", capture.view_count());
+    return fmt::format("needs at least two cameras, has {}", capture.view_count());
   }
   const auto shared = static_cast<int>(FramesWithStart(capture).size());
   if (shared == 0) return "no two cameras see the person at the same time";
   if (shared < kMinFrames) {
-    return fmt::format("needs {} frames at least that two cameras see, has {}", kMinFrames, shared);
+    return fmt::format("needs at least {} frames in which two cameras see the person, has {}", kMinFrames, shared);
   }
   const double motion = MotionSpread(capture);
   if (motion < kMinMotion) {
     return fmt::format(
-        "the person does not move (keypoints change by {:.1f} % of the body's size): nothing but {} points is known",
+        "the person does not move (keypoints move by {:.1f} % of the body's size): {} points are too few to find "
+        "cameras",
         100.0 * motion, capture.joint_count());
   }
   return "";
@@ -190,24 +194,24 @@ std::string Implausible(const Plausibility& plausibility) {
   if (!std::isfinite(plausibility.reprojection)) return "no frame could be solved";
   if (!(plausibility.view_angle_deg >= kMinViewAngleDeg)) {
     return fmt::format(
-        "all cameras look along nearly the same line ({:.0f} degrees apart): depth cannot be told; needs {:.0f} at "
-        "least",
+        "all cameras look along nearly the same line ({:.0f} degrees apart), so depth cannot be found; needs at least "
+        "{:.0f}",
         plausibility.view_angle_deg, kMinViewAngleDeg);
   }
   const bool bones_vary =
       plausibility.bone_scatter > kMaxBoneScatter && plausibility.view_angle_deg > kAngleForBonesDeg;
   if (plausibility.reprojection > kMaxReprojection || bones_vary) {
     return fmt::format(
-        "the cameras do not agree: keypoints are {:.1f} % of the body's bone length off (usual: 0.5 %), bones {:.0f} % "
-        "(usual: 7 %); do they show the same person, at the same time?",
+        "the cameras do not agree: keypoints are off by {:.1f} % of the body's bone length (usual: 0.5 %), bones by "
+        "{:.0f} % (usual: 7 %); do the cameras show the same person, at the same time?",
         100.0 * plausibility.reprojection, 100.0 * plausibility.bone_scatter);
   }
   if (plausibility.depth_over_width > kMaxDepthOverWidth) {
-    return fmt::format("the solution is flawed: poses are {:.1f} times as deep as wide; start from another model",
+    return fmt::format("the solution is wrong: poses are {:.1f} times as deep as wide; start from another model",
                        plausibility.depth_over_width);
   }
   if (plausibility.asymmetry > kMaxAsymmetry) {
-    return fmt::format("the solution is flawed: left and right limbs differ by {:.0f} %; start from another model",
+    return fmt::format("the solution is wrong: left and right limbs differ by {:.0f} %; start from another model",
                        100.0 * std::expm1(plausibility.asymmetry));
   }
   return "";
@@ -216,8 +220,8 @@ std::string Implausible(const Plausibility& plausibility) {
 std::string Doubtful(const Plausibility& plausibility) {
   if (plausibility.reprojection > kDoubtfulReprojection && plausibility.bone_scatter > kDoubtfulBoneScatter) {
     return fmt::format(
-        "the cameras agree poorly: keypoints are {:.1f} % of the body's bone length off, bones {:.0f} %; do they show "
-        "the same person, at the same time?",
+        "the cameras agree poorly: keypoints are off by {:.1f} % of the body's bone length, bones by {:.0f} %; do the "
+        "cameras show the same person, at the same time?",
         100.0 * plausibility.reprojection, 100.0 * plausibility.bone_scatter);
   }
   return "";

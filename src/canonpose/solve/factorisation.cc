@@ -18,7 +18,7 @@ namespace canonpose {
 namespace {
 
 constexpr int kMinJoints = 6;
-/// Cameras are found from at most so many frames, evenly spread.
+/// Cameras are found from at most this many frames, evenly spread.
 constexpr int kFactorisedFrames = 600;
 constexpr int kRounds = 30;
 
@@ -33,9 +33,9 @@ class AffineSolver {
         scales_(frames_.size() * capture.cameras.size(), 1.0),
         offsets_(frames_.size() * capture.cameras.size(), Eigen::Vector2d::Zero()) {}
 
-  /// False where too little is seen by two cameras.
+  /// Finds a first estimate of the views. Returns false where no two views share enough.
   bool Start();
-  /// Views fixed to `views` from elsewhere: finds joints alone.
+  /// Takes the views from elsewhere, so that only the joints remain to be found.
   void StartFrom(const std::vector<AffineView>& views);
   void FindViews();
   void FindJoints();
@@ -52,7 +52,7 @@ class AffineSolver {
   [[nodiscard]] Eigen::Vector2d At(std::size_t i, std::size_t v, std::size_t j) const {
     return capture_.At(frames_[i], static_cast<int>(v), static_cast<int>(j));
   }
-  /// visit(keypoint less its frame's offset, over its scale; joint) for what a view sees of known joints.
+  /// Calls visit((keypoint - offset) / scale, joint) for every known joint that a view sees.
   template <typename Visit>
   void VisitSeen(std::size_t v, const Visit& visit) const {
     for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -67,9 +67,9 @@ class AffineSolver {
   /// The joints that all of `views` see in a frame.
   [[nodiscard]] std::vector<std::size_t> Common(std::size_t i, const std::vector<std::size_t>& views) const;
   [[nodiscard]] std::vector<std::size_t> ChooseViews() const;
-  /// Size of a view's keypoints at common joints about their mean, which becomes the offset.
+  /// Makes the mean of a view's keypoints of `joints` its offset and returns their size about it.
   double Centre(std::size_t i, std::size_t v, const std::vector<std::size_t>& joints);
-  /// Offsets of all frames and views, at what is seen.
+  /// Sets the offsets of all frames and views to the means of what is seen.
   void CentreAll();
 
   const CaptureObservations& capture_;
@@ -91,8 +91,7 @@ std::vector<std::size_t> AffineSolver::Common(std::size_t i, const std::vector<s
   return common;
 }
 
-/// All views, without those that would leave less than half of the frames to the others; empty where no two have
-/// enough.
+/// All views but those without which the others share at least twice as many frames; empty where no two share enough.
 std::vector<std::size_t> AffineSolver::ChooseViews() const {
   std::vector<std::size_t> views(capture_.cameras.size());
   for (std::size_t v = 0; v < views.size(); ++v) views[v] = v;
@@ -134,7 +133,7 @@ double AffineSolver::Centre(std::size_t i, std::size_t v, const std::vector<std:
 bool AffineSolver::Start() {
   const std::vector<std::size_t> chosen = ChooseViews();
   if (chosen.empty()) return false;
-  // Left singular vectors of the keypoints of all frames, each frame in the mean size of its views.
+  // Left singular vectors of the keypoints of all frames, each frame divided by the mean size of its views.
   const auto rows = static_cast<Eigen::Index>(2 * chosen.size());
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(rows, rows);
   for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -177,7 +176,7 @@ void AffineSolver::StartFrom(const std::vector<AffineView>& views) {
   CentreAll();
 }
 
-/// Joints from the views that see them. Their sizes differ from frame to frame: the scales take that up.
+/// Joints from the views that see them, given views, scales and offsets.
 void AffineSolver::FindJoints() {
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     for (std::size_t j = 0; j < joint_count(); ++j) {
@@ -197,7 +196,7 @@ void AffineSolver::FindJoints() {
   }
 }
 
-/// Each view's scale and offset in each frame. The scales of a frame have a geometric mean of 1.
+/// Each view's scale and offset in each frame, given views and joints. The geometric mean of a frame's scales is 1.
 void AffineSolver::FindScales() {
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     double log_scales = 0.0;
@@ -234,7 +233,7 @@ void AffineSolver::FindScales() {
   }
 }
 
-/// Each view's two rows from the joints; keypoints that are far off count little.
+/// Each view's two rows, given joints, scales and offsets; keypoints that are far off count little.
 void AffineSolver::FindViews() {
   for (std::size_t v = 0; v < views_.size(); ++v) {
     const AffineView before = views_[v];

@@ -34,7 +34,7 @@ Dataset Filmed(const std::string& rig, int cameras, const std::string& spread, d
   return testing::Simulate(options).dataset;
 }
 
-/// Largest error of a relative rotation, degrees, of the cameras or of their depth mirror, whichever is nearer.
+/// The largest error of a relative rotation, in degrees, of the cameras or of their mirror, whichever is nearer.
 double RotationErrorDeg(const Dataset& dataset, const std::vector<Eigen::Matrix3d>& found) {
   std::array<double, 2> largest = {0.0, 0.0};
   for (std::size_t a = 0; a < found.size(); ++a) {
@@ -56,7 +56,7 @@ struct Rig {
   int cameras;
   const char* spread;
   double noise;
-  double most_error_deg;  ///< perspective alone makes some of it
+  double most_error_deg;  ///< not 0 without noise: perspective is neglected
 };
 
 class FactorisedRigs : public ::testing::TestWithParam<Rig> {};
@@ -90,7 +90,7 @@ TEST(Factorisation, LeadsTheSolverToTheTruth) {
     const auto truth = [&](std::size_t v) {
       return dataset.sequences[0].cameras[v].calibration[0].camera_from_world_rotation;
     };
-    // The mirror included: perspective tells it.
+    // Not the mirror: perspective decides.
     for (std::size_t v = 1; v < 4; ++v) {
       EXPECT_LT(RotationAngle(found[v] * found[0].transpose(), truth(v) * truth(0).transpose()), 0.07) << spread << v;
     }

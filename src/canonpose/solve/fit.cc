@@ -14,7 +14,7 @@ namespace {
 /// The median length of a normally distributed 3-vector, in units of its scatter along an axis.
 constexpr double kMedianLength3 = 1.54;
 
-/// Cauchy's loss of each frame's keypoints, mean over those of the frame; NaN for frames without.
+/// The mean of Cauchy's loss over each frame's keypoints; NaN for frames without any.
 std::vector<double> FrameCosts(const CaptureObservations& capture, std::span<const int> frames,
                                const RigEstimate& estimate, const NoiseModel& noise) {
   std::vector<double> costs;
@@ -57,7 +57,7 @@ std::vector<double> MeasureAccelerations(const CaptureObservations& capture, con
       }
       squares.push_back(lengths.empty() ? 0.0 : std::pow(Median(std::move(lengths)), 2));
     }
-    // s1 = e + a, s3 = e + 81 a.
+    // With errors e and accelerations a (both squared): s1 = e + a, s3 = e + 3^4 a.
     const double acceleration2 = std::max((squares[1] - squares[0]) / 80.0, 0.0);
     scatter.push_back(std::max(std::sqrt(acceleration2) / kMedianLength3, 1e-5));
   }
@@ -66,7 +66,7 @@ std::vector<double> MeasureAccelerations(const CaptureObservations& capture, con
 
 double MeasureAngularVelocity(const CaptureObservations& capture, std::span<const int> frames,
                               const RigEstimate& estimate) {
-  constexpr double kSpurts = 2.0;
+  constexpr double kBursts = 2.0;
   constexpr double kMin = 0.1;
   constexpr double kMax = 1.0;
   std::vector<double> speeds;
@@ -84,7 +84,7 @@ double MeasureAngularVelocity(const CaptureObservations& capture, std::span<cons
     }
   }
   if (speeds.empty()) return AdjustmentScales{}.angular_velocity;
-  return std::clamp(kSpurts * Median(std::move(speeds)) / kMedianLength3, kMin, kMax);
+  return std::clamp(kBursts * Median(std::move(speeds)) / kMedianLength3, kMin, kMax);
 }
 
 BlockMean MeanOverBlocks(const CaptureObservations& capture, std::span<const int> frames,

@@ -11,29 +11,22 @@
 #include "canonpose/solve/noise_model.h"
 #include "canonpose/solve/observations.h"
 #include "canonpose/solve/rig_estimate.h"
+#include "canonpose/solve/solution.h"
 
 namespace canonpose {
 
-/// How far triangulated bones are off their lengths, relative; more speaks of swapped joints or of another moment.
+/// Relative error of triangulated bones' lengths. Larger errors suggest swapped joints or views of different moments.
 inline constexpr double kBoneScatter = 0.1;
 
-/// An estimate and the scales it was adjusted with.
-struct Solution {
-  RigEstimate estimate;
-  AdjustmentScales scales;
-  bool mirrored = false;      ///< found from the depth mirror of the start's poses
-  double mirror_sigma = 0.0;  ///< Preference() over the mirrored solution
-};
-
-/// Cauchy's loss of an error that is given in units of its scatter.
+/// Cauchy's loss of an error in units of its scatter.
 inline double CauchyLoss(double error) { return std::log1p(error * error / (kLossScale * kLossScale)); }
 
-/// How much an error counts under that loss against one that is next to nothing: the loss's derivative by the squared
+/// The weight of an error under that loss, 1 for an error of 0: the derivative of the loss with respect to the squared
 /// error, times kLossScale^2.
 inline double CauchyWeight(double error) { return 1.0 / (1.0 + error * error / (kLossScale * kLossScale)); }
 
-/// How far a point in a camera's frame is from the ray of a keypoint, at the point's depth: in body units, as far as a
-/// projection is off. Behind the camera it means nothing; see DistanceInFront().
+/// The distance of a point in a camera's frame from the ray of a keypoint, measured at the point's depth: the
+/// reprojection error in body units. Meaningless behind the camera; see DistanceInFront().
 inline double DistanceAtDepth(const Eigen::Vector3d& in_camera, double focal, const Eigen::Vector2d& keypoint) {
   return (in_camera.head<2>() - keypoint * in_camera.z() / focal).norm();
 }
@@ -63,37 +56,38 @@ void VisitErrors(const CaptureObservations& capture, std::span<const int> frames
 
 NoiseModel MeasureNoise(const CaptureObservations& capture, std::span<const int> frames, const RigEstimate& estimate);
 
-/// The scatter of accelerations of each joint (J), a frame^2, along an axis: from second differences of the estimate's
-/// joints over one and over three frames. An error that is the same for both gives both the same; motion grows with the
-/// square of the step.
+/// The scatter of each joint's acceleration along an axis (J), body units per frame^2, from second differences of the
+/// joints over steps of one and of three frames: errors of the joints add the same to both, whereas motion grows with
+/// the square of the step.
 std::vector<double> MeasureAccelerations(const CaptureObservations& capture, const RigEstimate& estimate);
 
-/// How fast moving cameras turn, radians a second about an axis (scatter over cameras, runs and time, 0.1 .. 1): from
-/// their turning over a second of `frames` (ascending), in which the error of a frame's rotation tells little. The
-/// expected turning of AdjustmentScales where no run is as long as half a second. Twice what is measured, since turns
-/// come in spurts.
+/// How fast moving cameras rotate about an axis, radians per second (scatter over cameras, runs and time, limited to
+/// 0.1
+/// .. 1): from their rotation over one second of `frames` (ascending), against which the error of a single frame's
+/// rotation is small. Twice what is measured, since cameras rotate in bursts. Where no run lasts half a second, the
+/// default of AdjustmentScales.
 double MeasureAngularVelocity(const CaptureObservations& capture, std::span<const int> frames,
                               const RigEstimate& estimate);
 
-/// Of values of frames: the means of blocks of half a second, since frames near in time are much alike, and the mean of
-/// these with its variance.
+/// The mean of values of frames and its variance, computed from the means of blocks of half a second, since frames
+/// close in time are alike.
 struct BlockMean {
   int blocks = 0;
   double mean = 0.0;      ///< 0 without blocks
   double variance = 0.0;  ///< of the mean; 0 with fewer than two blocks
 };
 
-/// Over the values (one for each of `frames`, ascending) that are finite; no block spans two clips.
+/// Of the finite ones of `values`, one per element of `frames` (ascending). No block spans two clips.
 BlockMean MeanOverBlocks(const CaptureObservations& capture, std::span<const int> frames,
                          std::span<const double> values);
 
-/// How many standard errors `a` explains the frames better than `b`: of the mean difference of robust errors over
-/// blocks of half a second. 0 where there are too few to tell.
+/// How much better `a` explains the frames than `b`: the mean difference of their robust errors in standard errors
+/// (MeanOverBlocks). Negative where `b` is better; 0 where there are fewer than two blocks.
 double Preference(const CaptureObservations& capture, std::span<const int> frames, const Solution& a,
                   const Solution& b);
 
-/// The standard deviation of a joint along the worst direction, from the views that see it, the lengths of its bones
-/// and the joint's smoothness; body units. NaN where the joint is not solved.
+/// The standard deviation of a joint along its most uncertain direction, from the views that see it, the lengths of its
+/// bones and the smoothness of its motion, in body units. NaN where the joint is not solved.
 double JointUncertainty(const CaptureObservations& capture, int frame, int joint, const Solution& solution);
 
 }  // namespace canonpose

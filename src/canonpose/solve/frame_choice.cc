@@ -20,9 +20,9 @@ std::vector<int> EvenlySpread(std::span<const int> frames, int count) {
   return chosen;
 }
 
-std::vector<int> EvenRuns(std::span<const int> frames, int most_runs, int run_frames) {
+std::vector<int> EvenRuns(std::span<const int> frames, int max_runs, int run_frames) {
   const auto count = static_cast<int>(frames.size());
-  const int runs = std::clamp(count / run_frames, 1, most_runs);
+  const int runs = std::clamp(count / run_frames, 1, max_runs);
   std::vector<int> chosen;
   for (int r = 0; r < runs; ++r) {
     const int first = runs == 1 ? 0 : r * (count - run_frames) / (runs - 1);

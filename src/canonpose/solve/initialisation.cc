@@ -11,7 +11,7 @@
 namespace canonpose {
 namespace {
 
-/// Weight of the lifter's pose against one view of full confidence.
+/// Weight of the lifter's pose relative to a view of full confidence. Chosen by hand.
 constexpr double kPoseWeight = 0.05;
 constexpr int kShapeRounds = 3;
 
@@ -36,7 +36,7 @@ Points3d MeanStart(const CaptureObservations& capture, int frame, std::span<cons
   return mean / static_cast<double>(views.size());
 }
 
-/// Least squares scale of a view: keypoints relative to the root against the projected joints.
+/// The scale of a view by least squares: its keypoints relative to the root against the projected joints.
 double ImageScaleOf(const CaptureObservations& capture, int frame, int view, const Eigen::Matrix3d& rotation,
                     const Points3d& joints) {
   const Eigen::Vector2d root = capture.At(frame, view, capture.skeleton.root);
@@ -71,7 +71,7 @@ void RefineShape(const CaptureObservations& capture, int frame, std::span<const 
   shape.joints.rowwise() -= shape.joints.row(capture.skeleton.root).eval();
 }
 
-/// Where the camera sees the root, in its own frame, given a focal length of one image diagonal.
+/// The root in the camera's frame, assuming a focal length of one image diagonal.
 Eigen::Vector3d RootInCamera(const CaptureObservations& capture, int frame, int view, double scale) {
   const Eigen::Vector2d root = capture.At(frame, view, capture.skeleton.root);
   return {root.x() / scale, root.y() / scale, 1.0 / scale};
@@ -87,8 +87,8 @@ Eigen::Vector3d MedianPoint(const std::vector<Eigen::Vector3d>& points) {
   return median;
 }
 
-/// Translations of static cameras, one after the other: the next is always the one that shares most frames with those
-/// that are known. Returns the root's place in the world in each of `frames`; NaN where no camera knows it.
+/// Finds the translations of static cameras one after the other, next always the camera that shares most frames with
+/// those already found. Returns the root's position in the world in each of `frames`; NaN where no camera gives it.
 std::vector<Eigen::Vector3d> ChainTranslations(const CaptureObservations& capture, std::span<const int> frames,
                                                std::span<const Eigen::Matrix3d> camera_from_world,
                                                const std::vector<FrameShape>& shapes, RigEstimate& estimate) {
@@ -136,8 +136,8 @@ std::vector<Eigen::Vector3d> ChainTranslations(const CaptureObservations& captur
   return root;
 }
 
-/// Joints that one view alone sees: beside their parent in the direction that the lifter gives them. Parents need not
-/// stand before their children in the skeleton, hence the rounds.
+/// Places joints that only one view sees relative to their parents, in the direction that the lifter gives. Parents
+/// need not precede their children in the skeleton, hence the rounds.
 void FillFromStart(const CaptureObservations& capture, int frame, bool mirrored, RigEstimate& estimate) {
   const std::vector<double>& lengths =
       estimate.log_bone_lengths[static_cast<std::size_t>(capture.ClipOf(frame).subject)];

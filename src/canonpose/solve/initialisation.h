@@ -1,4 +1,4 @@
-// From rotations between cameras to a first estimate of everything, without iteration over unknowns of many frames.
+// From rotations between cameras to a first estimate of everything, in closed form or frame by frame.
 #pragma once
 
 #include <span>
@@ -14,44 +14,46 @@
 
 namespace canonpose {
 
-/// The depth mirror of a rotation, F R F with F = diag(1, 1, -1).
+/// F R F with F = diag(1, 1, -1). Under orthography a pose X seen with rotation R and its mirror F X seen with F R F
+/// give the same image: the depth-reversal ambiguity.
 Eigen::Matrix3d MirrorRotation(const Eigen::Matrix3d& rotation);
 
-/// A frame as orthographic views with known rotations see it.
+/// The pose of one frame under scaled orthography.
 struct FrameShape {
   Points3d joints;             ///< (J, 3) in the world, centred on the root; the sum of the bone lengths is 1
-  std::vector<double> scales;  ///< (V) normalised image coordinates a unit; 0 where the view has no part
-  bool valid = false;          ///< two views at least were lifted and have a rotation
+  std::vector<double> scales;  ///< (V) normalised image coordinates per unit; 0 where the view was not used
+  bool valid = false;          ///< at least two views were lifted, have a rotation and do not contradict each other
 };
 
-/// The joints that agree best with the views' keypoints under scaled orthographic projection, drawn a little towards
-/// the mean of the lifter's poses, which fill in what is not seen. `mirrored`: the lifter's poses are depth-mirrored
-/// first; rotations are then to be those of the mirrored poses.
+/// The joints that fit the views' keypoints best under scaled orthography, given the cameras' rotations (V). They are
+/// pulled a little towards the mean of the lifter's poses, which fill in what is not seen. With `mirrored`, the
+/// lifter's poses are mirrored first; the rotations must then be those of the mirror.
 FrameShape ShapeFromViews(const CaptureObservations& capture, int frame,
                           std::span<const Eigen::Matrix3d> camera_from_world, bool mirrored);
 
-/// A first estimate from rotations (V) of static cameras at `frames`; other frames stay unknown. The root's distance
-/// follows from its image scale and the focal length (one image diagonal), cameras' translations from the root's
-/// trajectories as the cameras see them. Cameras without rotation, or without a common frame with the others, are
-/// invalid.
+/// A first estimate for static cameras from their rotations (V); joints are set at `frames` only. Focal lengths are one
+/// image diagonal. The root's distance from a camera follows from the image scale, and the cameras' translations from
+/// the root's trajectories in their frames. Cameras without a rotation, or without a frame in common with the others,
+/// are invalid.
 RigEstimate InitialiseStatic(const CaptureObservations& capture, std::span<const int> frames,
                              std::span<const Eigen::Matrix3d> camera_from_world, bool mirrored);
 
-/// The same for moving cameras; rotations (F, V) of all frames of the capture.
+/// The same for moving cameras, from the rotations (F, V) of all frames of the capture.
 RigEstimate InitialiseMoving(const CaptureObservations& capture, std::span<const int> frames,
                              const std::vector<std::vector<Eigen::Matrix3d>>& camera_from_world, bool mirrored);
 
-/// A joint from the views that see it (TriangulateRobustly()), in body units. `left_out_view` is ignored; -1: none is.
+/// A joint from the views that see it (TriangulateRobustly()), in body units. `left_out_view` is not used; -1 uses all
+/// views.
 RobustPoint TriangulateJoint(const CaptureObservations& capture, int frame, int joint, const AdjustmentScales& scales,
                              const RigEstimate& estimate, int left_out_view = -1);
 
-/// Sets the joints of a frame of a static rig whose cameras are known, by linear triangulation from all views that see
-/// them, reweighted so that a bad view counts little. Joints seen by one view only are put beside their parent in the
-/// direction that the lifter gives them; those that nobody sees become NaN. `mirrored` as above.
+/// Sets the joints of a frame by TriangulateJoint(), given the cameras of a static rig. A joint that only one view sees
+/// is placed at its bone's length from its parent, in the direction that the lifter's poses give; one that no view sees
+/// becomes NaN. `mirrored` as above.
 void TriangulateFrame(const CaptureObservations& capture, int frame, const AdjustmentScales& scales, bool mirrored,
                       RigEstimate& estimate);
 
-/// Sets each subject's bone lengths to the medians over `frames`. Bones never seen keep NaN.
+/// Sets each subject's bone lengths to their medians over `frames`. Bones without a length in any frame are left alone.
 void MeasureBones(const CaptureObservations& capture, std::span<const int> frames, RigEstimate& estimate);
 
 }  // namespace canonpose

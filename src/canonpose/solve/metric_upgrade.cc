@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kUpgradeFrames = 150;
 
-/// T is lower triangular, its six entries the parameters.
+/// The lower triangular T of six parameters.
 template <typename T>
 Eigen::Matrix<T, 3, 3> Upgrade(const T* p) {
   Eigen::Matrix<T, 3, 3> upgrade;
@@ -28,7 +28,7 @@ Eigen::Matrix<T, 3, 3> Upgrade(const T* p) {
   return upgrade;
 }
 
-/// Rows of M_v T: equally long, orthogonal. 2 residuals, relative.
+/// The rows of M_v T are equally long and orthogonal. 2 residuals, relative to their length.
 struct OrthogonalRowsTerm {
   AffineView view;
   double weight;
@@ -44,8 +44,8 @@ struct OrthogonalRowsTerm {
   }
 };
 
-/// The bones of a frame in proportion to the subject's: log lengths less their mean over the frame. Parameters: T (6),
-/// log lengths (J).
+/// The bones of a frame are in proportion to the subject's: the differences of their log lengths, less the mean over
+/// the frame. Parameters T (6), the subject's log lengths (J).
 struct ProportionsTerm {
   std::vector<std::pair<std::size_t, Eigen::Vector3d>> bones;  ///< joint at the end, vector in the affine frame
   double weight;
@@ -84,13 +84,14 @@ std::vector<ProportionsTerm> BonesOf(std::span<const Eigen::Vector3d> joints, co
     }
     if (term.bones.size() >= 4) terms.push_back(std::move(term));
   }
-  // Errors of neighbouring frames are much the same: together they say as much as twenty frames would, at a tenth each.
+  // A bone's relative error is taken for a tenth. Errors of neighbouring frames are alike, so that all frames together
+  // count for no more than twenty. Both chosen by hand.
   const double weight = 10.0 / std::sqrt(std::max(1.0, static_cast<double>(terms.size()) / 20.0));
   for (ProportionsTerm& term : terms) term.weight = weight;
   return terms;
 }
 
-/// Refines T from a start; the cost it ends at.
+/// Refines T from a start and returns the final cost.
 double Refine(std::span<const AffineView> views, std::size_t joint_count, const std::vector<ProportionsTerm>& bones,
               std::array<double, 6>& upgrade) {
   constexpr double kRowScatter = 0.03;
@@ -134,8 +135,8 @@ std::optional<Eigen::Matrix3d> MetricUpgrade(std::span<const AffineView> views, 
   for (const AffineView& view : views) {
     if (view.allFinite()) rows += view.transpose() * view / view.squaredNorm();
   }
-  // Cameras from all sides see every direction alike: T^T (sum of M^T M) T = 1. Then one direction more or less than
-  // that.
+  // Cameras all around see every direction equally well: T^T (sum of M^T M) T = 1. That is the first start; the others
+  // stretch one direction.
   const std::array<Eigen::Vector3d, 7> stretches = {{{1.0, 1.0, 1.0},
                                                      {2.0, 1.0, 1.0},
                                                      {0.5, 1.0, 1.0},
@@ -148,11 +149,11 @@ std::optional<Eigen::Matrix3d> MetricUpgrade(std::span<const AffineView> views, 
   if (bones.empty()) return std::nullopt;
   double least = std::numeric_limits<double>::infinity();
   std::optional<Eigen::Matrix3d> best;
-  const Eigen::Vector3d alike = eigen.eigenvalues().cwiseMax(1e-9).cwiseSqrt().cwiseInverse();
+  const Eigen::Vector3d equal = eigen.eigenvalues().cwiseMax(1e-9).cwiseSqrt().cwiseInverse();
   for (const Eigen::Vector3d& stretch : stretches) {
-    const Eigen::Vector3d sizes = alike.cwiseProduct(stretch);
+    const Eigen::Vector3d sizes = equal.cwiseProduct(stretch);
     const Eigen::Matrix3d start = eigen.eigenvectors() * sizes.asDiagonal();
-    // T matters up to a rotation on its right: the Cholesky factor of T T^T is as good.
+    // T is determined up to a rotation on its right, so the Cholesky factor of T T^T will do.
     const Eigen::Matrix3d lower = (start * start.transpose()).eval().llt().matrixL();
     std::array<double, 6> upgrade = {lower(0, 0), lower(1, 0), lower(1, 1), lower(2, 0), lower(2, 1), lower(2, 2)};
     const double cost = Refine(views, skeleton.joints.size(), bones, upgrade);

@@ -1,4 +1,4 @@
-// From an affine reconstruction to one with right angles.
+// From an affine reconstruction to a metric one, in which angles are right.
 #pragma once
 
 #include <optional>
@@ -13,10 +13,10 @@ namespace canonpose {
 /// keypoint = scale * rows * joint + offset.
 using AffineView = Eigen::Matrix<double, 2, 3>;
 
-/// The T (lower triangular) that makes the rows of each view (V; NaN where unknown) times T orthogonal and equally
-/// long, and the bones of T^-1 joints (frames, J; NaN where unknown) keep their proportions through all frames,
-/// whatever the size of a frame. Found from several starts, since bones make the problem other than convex. Known up to
-/// a depth mirror, which a lower triangular T chooses at random. Nothing where too little is known.
+/// The lower triangular T for which the rows of each view times T are orthogonal and equally long, and the bones of
+/// T^-1 times the joints keep their proportions through all frames; frames may differ in size. Views are (V), joints
+/// (frames, J), both NaN where unknown. The problem is not convex because of the bones, so several starts are tried.
+/// Which of the two mirror solutions T gives is arbitrary. Empty where too little is known.
 std::optional<Eigen::Matrix3d> MetricUpgrade(std::span<const AffineView> views, std::span<const Eigen::Vector3d> joints,
                                              const Skeleton& skeleton);
 

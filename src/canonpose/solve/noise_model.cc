@@ -9,8 +9,8 @@ namespace {
 constexpr double kMinScatter = 1e-5;
 /// The median length of a 2-vector of normal errors of scatter 1.
 constexpr double kMedianLength = 1.1774;
-constexpr int kShares = 10;
-constexpr std::size_t kMinErrorsPerShare = 50;
+constexpr int kMaxGroups = 10;
+constexpr std::size_t kMinErrorsPerGroup = 50;
 
 template <typename Value>
 double MedianOf(std::vector<KeypointError>::const_iterator first, std::vector<KeypointError>::const_iterator last,
@@ -31,11 +31,11 @@ NoiseModel::NoiseModel(std::vector<KeypointError> errors, int joint_count) {
                    [](const KeypointError& a, const KeypointError& b) { return a.confidence < b.confidence; });
   const auto length = [](const KeypointError& error) { return error.length / kMedianLength; };
   scatter_ = std::max(kMinScatter, MedianOf(errors.begin(), errors.end(), length));
-  const std::size_t shares =
-      std::clamp<std::size_t>(errors.size() / kMinErrorsPerShare, 1, static_cast<std::size_t>(kShares));
-  for (std::size_t s = 0; s < shares; ++s) {
-    const auto first = errors.begin() + static_cast<std::ptrdiff_t>(s * errors.size() / shares);
-    const auto last = errors.begin() + static_cast<std::ptrdiff_t>((s + 1) * errors.size() / shares);
+  const std::size_t groups =
+      std::clamp<std::size_t>(errors.size() / kMinErrorsPerGroup, 1, static_cast<std::size_t>(kMaxGroups));
+  for (std::size_t g = 0; g < groups; ++g) {
+    const auto first = errors.begin() + static_cast<std::ptrdiff_t>(g * errors.size() / groups);
+    const auto last = errors.begin() + static_cast<std::ptrdiff_t>((g + 1) * errors.size() / groups);
     const double confidence = MedianOf(first, last, [](const KeypointError& error) { return error.confidence; });
     double factor = MedianOf(first, last, length) / scatter_;
     if (!factors_.empty()) factor = std::min(factor, factors_.back());
@@ -48,7 +48,7 @@ NoiseModel::NoiseModel(std::vector<KeypointError> errors, int joint_count) {
     relative[static_cast<std::size_t>(error.joint)].push_back(length(error) / Scatter(error.joint, error.confidence));
   }
   for (std::size_t j = 0; j < relative.size(); ++j) {
-    if (relative[j].size() < kMinErrorsPerShare) continue;
+    if (relative[j].size() < kMinErrorsPerGroup) continue;
     const auto middle = relative[j].begin() + static_cast<std::ptrdiff_t>(relative[j].size() / 2);
     std::nth_element(relative[j].begin(), middle, relative[j].end());
     joint_factors_[j] = std::clamp(*middle, 0.25, 4.0);
@@ -65,8 +65,8 @@ double NoiseModel::Scatter(int joint, double confidence) const {
   } else if (i == confidences_.size()) {
     factor = factors_.back();
   } else {
-    const double share = (confidence - confidences_[i - 1]) / (confidences_[i] - confidences_[i - 1]);
-    factor = factors_[i - 1] + share * (factors_[i] - factors_[i - 1]);
+    const double position = (confidence - confidences_[i - 1]) / (confidences_[i] - confidences_[i - 1]);
+    factor = factors_[i - 1] + position * (factors_[i] - factors_[i - 1]);
   }
   return scatter_ * joint_factors_[static_cast<std::size_t>(joint)] * factor;
 }

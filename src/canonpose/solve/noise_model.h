@@ -1,26 +1,26 @@
-// How far off detected joints are, learnt from the recording: by joint, and by the detector's confidence.
+// The error of detected joints, learnt from the recording: by joint and by the detector's confidence.
 #pragma once
 
 #include <vector>
 
 namespace canonpose {
 
-/// An error of a keypoint that was found, in body units, with what may have told how large it would be.
+/// The error of a keypoint, and what may predict its size.
 struct KeypointError {
   int joint = 0;
   double confidence = 0.0;
-  double length = 0.0;
+  double length = 0.0;  ///< body units
 };
 
-/// The scatter (standard deviation along an axis, were errors normal) of keypoints: factor of the joint times a
-/// piecewise linear function of the confidence.
+/// The scatter of keypoints (standard deviation along an axis, as if errors were normal): a factor for the joint times
+/// a piecewise linear function of the confidence.
 class NoiseModel {
  public:
   NoiseModel() = default;
-  /// Before anything was measured: `scatter` / confidence.
+  /// Before anything has been measured: `scatter` / confidence.
   explicit NoiseModel(double scatter) : scatter_(scatter) {}
-  /// From medians of errors, which outliers do not move: for each of up to ten equal shares of the errors in the order
-  /// of confidence, made to fall with confidence, and for each joint.
+  /// From medians of errors, which are robust against outliers. The errors are sorted by confidence and divided into up
+  /// to ten equal groups; a group's scatter is at most that of the group before. Then each joint's factor is measured.
   NoiseModel(std::vector<KeypointError> errors, int joint_count);
 
   [[nodiscard]] double Scatter(int joint, double confidence) const;

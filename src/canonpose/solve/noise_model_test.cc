@@ -9,7 +9,7 @@
 namespace canonpose {
 namespace {
 
-/// Errors of normal scatter: 1 % at confidence 0, 0.25 % at 1, straight between; joint 1 has twice that.
+/// Normal errors with a scatter that falls linearly from 1 % at confidence 0 to 0.25 % at 1; joint 1 has twice that.
 std::vector<KeypointError> Errors(int count) {
   Rng rng(1);
   std::vector<KeypointError> errors;

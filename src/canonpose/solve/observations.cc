@@ -14,7 +14,7 @@ namespace {
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr double kDefaultFps = 30.0;
 
-/// Adds the camera of a view of a sequence, where the capture does not have it yet.
+/// Adds the camera of a view to the capture unless it is there already.
 void AddCamera(CaptureObservations& capture, const CameraView& view, const Sequence& sequence) {
   const int known = capture.FindView(view.name);
   if (known < 0) {

@@ -1,4 +1,4 @@
-// What the solver sees of a capture: the 2D joints of all its frames and cameras, without units of pixels.
+// What the solver sees of a capture: the 2D joints of all its frames and cameras, in normalised image coordinates.
 #pragma once
 
 #include <array>
@@ -16,9 +16,9 @@
 
 namespace canonpose {
 
-/// The 3D poses that a lifter found in each view by itself; where the solver starts from.
-/// Indexed like Dataset::sequences and their cameras; (T, J, 3) in the camera's frame, centred on the root, in any
-/// unit; NaN where the view was not lifted.
+/// The poses that the solver starts from, found by a lifter in each view by itself, or by factorisation. Indexed like
+/// Dataset::sequences and their cameras; (T, J, 3) in the camera's frame, centred on the root, in any unit; NaN where
+/// the view was not lifted.
 struct StartPoses {
   std::vector<std::vector<std::vector<float>>> sequences;
 };
@@ -29,17 +29,17 @@ struct ClipRange {
   int first = 0;             ///< its first frame among those of the capture
   int count = 0;
   double fps = 0.0;  ///< never 0: 30 where the dataset does not say
-  int subject = 0;   ///< clips of one subject share their bone lengths
+  int subject = 0;   ///< index into `subjects`; clips of one subject share their bone lengths
 };
 
 struct ObservedCamera {
   std::string name;
   std::array<int, 2> image_size_px{0, 0};
-  /// Normalised image coordinates are (pixel - image centre) / diagonal_px; a focal length of 1 is one of diagonal_px.
+  /// Normalised image coordinates are (pixel - image centre) / diagonal_px; focal lengths, too, are in image diagonals.
   double diagonal_px = 0.0;
 };
 
-/// F frames of V cameras that belong together: all clips before the same static cameras, or one clip of moving ones.
+/// F frames of V cameras that belong together: all clips of the same static cameras, or one clip of moving ones.
 struct CaptureObservations {
   std::string name;
   Skeleton skeleton;
@@ -50,8 +50,8 @@ struct CaptureObservations {
   int frame_count = 0;
   std::vector<float> xy;          ///< (F, V, J, 2) normalised; NaN where not detected
   std::vector<float> confidence;  ///< (F, V, J) 0 where not detected
-  std::vector<float>
-      start;  ///< (F, V, J, 3) StartPoses of unit norm; NaN where not lifted, joints unknown to the lifter at the root
+  /// (F, V, J, 3) StartPoses of unit norm; NaN where not lifted, joints that the lifter does not know at the root.
+  std::vector<float> start;
 
   [[nodiscard]] int view_count() const { return static_cast<int>(cameras.size()); }
   /// The view of a camera; -1 where there is none of that name.
@@ -67,7 +67,7 @@ struct CaptureObservations {
     const std::size_t i = 2 * Index(frame, view, joint);
     return {xy[i], xy[i + 1]};
   }
-  /// Whether the view shows the root and enough joints for a pose of its own, and was lifted.
+  /// Whether the view shows the root and was lifted.
   [[nodiscard]] bool HasStart(int frame, int view) const;
   /// (J, 3), NaN where not lifted.
   [[nodiscard]] Points3d StartOf(int frame, int view) const;
@@ -78,8 +78,8 @@ struct CaptureObservations {
 /// Error(kBadInput) where a camera changes its image size within a capture.
 std::vector<CaptureObservations> CollectCaptures(const Dataset& dataset, const StartPoses& start);
 
-/// One moment by itself, as frame 0: the keypoints that view v has in `frame_of_view[v]` (V), none where that is
-/// negative. Without clips and start poses.
+/// A capture of one frame that shows the keypoints which view v has in frame `frame_of_view[v]` (V); none where that is
+/// negative. It has no clips and no start poses.
 CaptureObservations SingleFrame(const CaptureObservations& capture, std::span<const int> frame_of_view);
 
 }  // namespace canonpose

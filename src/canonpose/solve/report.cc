@@ -9,6 +9,7 @@
 #include "canonpose/base/median.h"
 #include "canonpose/geometry/angles.h"
 #include "canonpose/solve/calibration.h"
+#include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
 
 namespace canonpose {
@@ -22,7 +23,7 @@ std::string DescribeMirror(const Solution& solution, const std::string& option) 
   if (option == "keep") return "kept by request";
   if (option == "flip") return "flipped by request";
   if (solution.mirrored) return "flipped";
-  return solution.mirror_sigma > kSureSigma ? "kept" : "undecided, kept as in the start's poses";
+  return solution.mirror_sigma > kDecisiveSigma ? "kept" : "undecided, kept as in the start's poses";
 }
 
 CameraReport DescribeCamera(const CaptureObservations& capture, const Solution& solution, int v,
@@ -43,6 +44,80 @@ CameraReport DescribeCamera(const CaptureObservations& capture, const Solution& 
   return report;
 }
 
+/// The frames of windows that failed, by number (F).
+std::vector<bool> InFailedWindow(const CaptureObservations& capture, const WindowsSummary& windows) {
+  std::vector<bool> failed(static_cast<std::size_t>(capture.frame_count), false);
+  for (const FailedWindow& window : windows.failed) {
+    const int first = capture.clips[static_cast<std::size_t>(window.clip)].first + window.first_frame;
+    std::fill_n(failed.begin() + first, window.frame_count, true);
+  }
+  return failed;
+}
+
+/// Counts the frames that are solved and, by reason, those that are not.
+void CountFrames(const CaptureObservations& capture, const RigEstimate& estimate, const WindowsSummary& windows,
+                 CaptureReport& report) {
+  const std::vector<bool> in_failed_window = InFailedWindow(capture, windows);
+  for (int n = 0; n < capture.frame_count; ++n) {
+    const bool has_failed = in_failed_window[static_cast<std::size_t>(n)];
+    int seen = 0;
+    for (int v = 0; v < capture.view_count(); ++v) {
+      bool any = false;
+      for (int j = 0; j < capture.joint_count(); ++j) any = any || capture.Sees(n, v, j);
+      // The moving cameras of a window that failed are not valid any more.
+      seen += any && (estimate.CameraAt(n, v).valid || has_failed) ? 1 : 0;
+    }
+    bool solved = false;
+    for (int j = 0; j < capture.joint_count(); ++j) solved = solved || estimate.Joint(n, j).allFinite();
+    if (solved) {
+      ++report.frames_solved;
+    } else if (seen < 2) {
+      ++report.frames_too_few_views;
+    } else if (has_failed) {
+      ++report.frames_in_failed_windows;
+    }
+  }
+}
+
+/// One line; empty where no window failed.
+std::string DescribeFailedWindows(const CaptureReport& report) {
+  if (!report.windows || report.windows->failed.empty()) return "";
+  return fmt::format("{} frames are not solved: the bundle adjustment of {} of {} windows failed ({})",
+                     report.frames_in_failed_windows, report.windows->failed.size(), report.windows->windows,
+                     report.windows->failed.front().reason);
+}
+
+/// NaN becomes null.
+Json CostToJson(double cost) { return std::isfinite(cost) ? Json(cost) : Json(nullptr); }
+
+Json AdjustmentToJson(const std::optional<AdjustmentSummary>& summary) {
+  if (!summary) return nullptr;
+  return {{"ending", NameOf(summary->ending)},
+          {"reason", summary->reason},
+          {"iterations", summary->iterations},
+          {"initial_cost", CostToJson(summary->initial_cost)},
+          {"final_cost", CostToJson(summary->final_cost)}};
+}
+
+Json WindowsToJson(const std::optional<WindowsSummary>& summary) {
+  if (!summary) return nullptr;
+  Json failures = Json::array();
+  for (const FailedWindow& window : summary->failed) {
+    failures.push_back({{"clip", window.clip},
+                        {"first_frame", window.first_frame},
+                        {"frames", window.frame_count},
+                        {"reason", window.reason}});
+  }
+  return {{"count", summary->windows},
+          {"converged", summary->converged},
+          {"stopped_early", summary->stopped_early},
+          {"failed", summary->failed.size()},
+          {"iterations", summary->iterations},
+          {"initial_cost", CostToJson(summary->initial_cost)},
+          {"final_cost", CostToJson(summary->final_cost)},
+          {"failures", failures}};
+}
+
 double LargestViewAngle(const CaptureObservations& capture, const RigEstimate& estimate) {
   double largest = 0.0;
   const int step = std::max(1, capture.frame_count / 100);
@@ -51,7 +126,7 @@ double LargestViewAngle(const CaptureObservations& capture, const RigEstimate& e
       for (int w = 0; w < v; ++w) {
         if (!estimate.CameraAt(n, v).valid || !estimate.CameraAt(n, w).valid) continue;
         const double cosine = estimate.CameraAt(n, v).Rotation().row(2).dot(estimate.CameraAt(n, w).Rotation().row(2));
-        // Views from opposite sides tell as little of depth as views from the same.
+        // Views from opposite sides say as little about depth as views from the same side.
         largest = std::max(largest, std::acos(std::clamp(std::abs(cosine), 0.0, 1.0)));
       }
     }
@@ -61,7 +136,7 @@ double LargestViewAngle(const CaptureObservations& capture, const RigEstimate& e
 
 }  // namespace
 
-CaptureReport MakeReport(const CaptureObservations& capture, const Solution& solution,
+CaptureReport MakeReport(const CaptureObservations& capture, const Solution& solution, const WindowsSummary& windows,
                          const std::string& mirror_option) {
   CaptureReport report;
   report.name = capture.name;
@@ -82,18 +157,11 @@ CaptureReport MakeReport(const CaptureObservations& capture, const Solution& sol
     report.cameras.push_back(DescribeCamera(capture, solution, v, std::move(errors[i]), outliers[i]));
   }
   report.reprojection_percent = 100.0 * Median(std::move(all));
-  for (const int n : frames) {
-    int seen = 0;
-    for (int v = 0; v < capture.view_count(); ++v) {
-      bool any = false;
-      for (int j = 0; j < capture.joint_count(); ++j) any = any || capture.Sees(n, v, j);
-      seen += any && solution.estimate.CameraAt(n, v).valid ? 1 : 0;
-    }
-    bool solved = false;
-    for (int j = 0; j < capture.joint_count(); ++j) solved = solved || solution.estimate.Joint(n, j).allFinite();
-    if (solved) ++report.frames_solved;
-    if (!solved && seen < 2) ++report.frames_too_few_views;
-  }
+  CountFrames(capture, solution.estimate, windows, report);
+  report.calibration = solution.calibration;
+  report.windows = windows;
+  const std::string failed_windows = DescribeFailedWindows(report);
+  if (!failed_windows.empty()) report.warnings.push_back(failed_windows);
   report.largest_view_angle_deg = LargestViewAngle(capture, solution.estimate);
   report.mirror = DescribeMirror(solution, mirror_option);
   report.mirror_sigma = solution.mirror_sigma;
@@ -111,11 +179,11 @@ std::string SolveReport::ToText() const {
     text += fmt::format("  frames      {} of {} solved; {} seen by fewer than two cameras\n", capture.frames_solved,
                         capture.frames, capture.frames_too_few_views);
     text +=
-        fmt::format("  keypoints   {:.2f} % of the body's bone length off (median)\n", capture.reprojection_percent);
+        fmt::format("  keypoints   off by {:.2f} % of the body's bone length (median)\n", capture.reprojection_percent);
     text += fmt::format("  mirror      {} ({:.1f} standard errors)\n", capture.mirror, capture.mirror_sigma);
     for (const CameraReport& camera : capture.cameras) {
       text += camera.used
-                  ? fmt::format("  {:<11} focal length {:.0f} px, {:.2f} % off, {:.1f} % outliers\n", camera.name,
+                  ? fmt::format("  {:<11} focal length {:.0f} px, off by {:.2f} %, {:.1f} % outliers\n", camera.name,
                                 camera.focal_px, camera.reprojection_percent, camera.outlier_percent)
                   : fmt::format("  {:<11} not used{}{}\n", camera.name, camera.why_not_used.empty() ? "" : ": ",
                                 camera.why_not_used);
@@ -124,7 +192,7 @@ std::string SolveReport::ToText() const {
       text += fmt::format("  {:<11} {} frames {} than the others in clip {}\n", offset.camera, std::abs(offset.frames),
                           offset.frames < 0 ? "later" : "earlier", offset.clip + 1);
     }
-    text += fmt::format("  left-right swaps mended: {}\n", capture.swaps_mended);
+    text += fmt::format("  left-right swaps corrected: {}\n", capture.swaps_corrected);
     for (const std::string& warning : capture.warnings) text += fmt::format("  warning: {}\n", warning);
   }
   return text;
@@ -155,17 +223,20 @@ std::string SolveReport::ToJson() const {
     if (capture.failure.empty()) {
       one["frames_solved"] = capture.frames_solved;
       one["frames_too_few_views"] = capture.frames_too_few_views;
+      one["frames_in_failed_windows"] = capture.frames_in_failed_windows;
       one["reprojection_percent"] = capture.reprojection_percent;
       one["largest_view_angle_deg"] = capture.largest_view_angle_deg;
       one["mirror"] = capture.mirror;
       one["mirror_sigma"] = capture.mirror_sigma;
       one["cameras"] = cameras;
-      one["swaps_mended"] = capture.swaps_mended;
+      one["swaps_mended"] = capture.swaps_corrected;
       one["offsets"] = Json::array();
       for (const OffsetReport& offset : capture.offsets) {
         one["offsets"].push_back({{"clip", offset.clip}, {"camera", offset.camera}, {"frames", offset.frames}});
       }
     }
+    one["calibration"] = AdjustmentToJson(capture.calibration);
+    one["windows"] = WindowsToJson(capture.windows);
     one["warnings"] = capture.warnings;
     json["captures"].push_back(one);
   }

@@ -1,11 +1,14 @@
-// What the solver tells of its result.
+// What the solver reports of its result.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "canonpose/solve/fit.h"
+#include "canonpose/solve/adjustment.h"
 #include "canonpose/solve/observations.h"
+#include "canonpose/solve/solution.h"
+#include "canonpose/solve/windows.h"
 
 namespace canonpose {
 
@@ -13,13 +16,13 @@ namespace canonpose {
 struct CameraReport {
   std::string name;
   double focal_px = 0.0;              ///< the median over frames, where it changes
-  double reprojection_percent = 0.0;  ///< median distance of keypoints, in percent of the sum of bone lengths
-  double outlier_percent = 0.0;       ///< share of keypoints farther off than five times what is usual for them
+  double reprojection_percent = 0.0;  ///< median error of keypoints, in percent of the sum of bone lengths
+  double outlier_percent = 0.0;       ///< of keypoints, those off by more than five times their usual scatter
   bool used = true;
-  std::string why_not_used;  ///< empty where it is not known
+  std::string why_not_used;  ///< empty where unknown
 };
 
-/// A camera whose clock was off in a sequence: its frame n was taken to show what others show in frame n + frames.
+/// A camera whose clock was off in a clip: its frame n was taken to show what the others show in frame n + frames.
 struct OffsetReport {
   int clip = 0;  ///< of the capture
   std::string camera;
@@ -31,14 +34,19 @@ struct CaptureReport {
   bool static_cameras = true;
   std::vector<CameraReport> cameras;
   int frames = 0;
-  int frames_solved = 0;         ///< with a pose in at least one view
-  int frames_too_few_views = 0;  ///< left out since fewer than two cameras saw the person
+  int frames_solved = 0;             ///< with a pose in at least one view
+  int frames_too_few_views = 0;      ///< not solved since fewer than two cameras saw the person
+  int frames_in_failed_windows = 0;  ///< seen well enough, but not solved: see `windows`
   double reprojection_percent = 0.0;
   double largest_view_angle_deg = 0.0;  ///< between the viewing directions of two cameras
-  std::string mirror;                   ///< kept as in the start's poses, flipped, undecided (kept, too), or by request
+  /// "kept", "flipped", "undecided, kept as in the start's poses", "kept by request" or "flipped by request"; the
+  /// start's poses are what is kept or flipped.
+  std::string mirror;
   double mirror_sigma = 0.0;  ///< standard errors by which the solution explains the keypoints better than its mirror
-  int swaps_mended = 0;       ///< frames, summed over cameras, in which left and right were exchanged
+  int swaps_corrected = 0;    ///< frames, summed over cameras, in which left and right were exchanged
   std::vector<OffsetReport> offsets;
+  std::optional<AdjustmentSummary> calibration;  ///< of the cameras; empty where it was not tried
+  std::optional<WindowsSummary> windows;         ///< of all frames; empty where they were not tried
   std::vector<std::string> warnings;
   std::string failure;  ///< why the capture could not be solved; empty where it was
 };
@@ -50,7 +58,7 @@ struct SolveReport {
   [[nodiscard]] std::string ToJson() const;
 };
 
-CaptureReport MakeReport(const CaptureObservations& capture, const Solution& solution,
+CaptureReport MakeReport(const CaptureObservations& capture, const Solution& solution, const WindowsSummary& windows,
                          const std::string& mirror_option);
 
 }  // namespace canonpose

@@ -12,12 +12,12 @@
 
 namespace canonpose {
 
-/// Nearer than this to a camera, in body units, a point is held at this depth, so that a step of the solver that puts
-/// it behind the camera has a finite cost.
+/// The smallest depth that points are projected at, in body units, so that the cost stays finite when a step of the
+/// solver puts one behind a camera.
 inline constexpr double kMinDepth = 0.02;
 
-/// weight * (observed - projected), 2 residuals; parameters quaternion (4), placement (3), log focal length (1), joint
-/// (3). kRootCentred: cameras move and placement is (root x, root y, log scale).
+/// weight * (projected - observed), 2 residuals; parameters quaternion (4), placement (3), log focal length (1), joint
+/// (3). kRootCentred: cameras move, and placement is (root x, root y, log scale).
 template <bool kRootCentred>
 struct ReprojectionTerm {
   Eigen::Vector2d observed;
@@ -47,7 +47,7 @@ struct ReprojectionTerm {
   }
 };
 
-/// What one view says of a joint where its camera is known: projection = focal * (R x + t)_xy / z.
+/// What a view with a known camera sees of a joint: projection = focal * (R x + t)_xy / z.
 struct KnownView {
   Eigen::Matrix3d rotation;
   Eigen::Vector3d translation;
@@ -56,9 +56,9 @@ struct KnownView {
   double weight;
 };
 
-/// All views of a joint at once, 2V residuals; parameter joint (3). Robust by itself: a view whose weighted error is e
-/// contributes log(1 + e^2 / s^2) s^2 to the squared norm (Cauchy's loss of scale s), which a loss function around the
-/// block could not do view by view.
+/// All views of a joint at once, 2V residuals; parameter joint (3). The term is robust by itself: a view whose weighted
+/// error is e contributes s^2 log(1 + e^2 / s^2) to the squared norm, which is Cauchy's loss of scale s. A loss
+/// function around the block would apply to all views together.
 class JointInViewsTerm : public ceres::CostFunction {
  public:
   JointInViewsTerm(std::vector<KnownView> views, double loss_scale)
@@ -117,8 +117,8 @@ struct BoneTerm {
   }
 };
 
-/// weight * log(sum of bone lengths), 1 residual; parameters log bone lengths (1 each). Holds the unit, which nothing
-/// else determines: smoothness alone would have everything shrink.
+/// weight * log(sum of bone lengths), 1 residual; parameters log bone lengths (1 each). Fixes the unit, which keypoints
+/// leave open; without it, smoothness would make everything shrink.
 class UnitTerm : public ceres::CostFunction {
  public:
   UnitTerm(int bones, double weight) : weight_(weight) {
@@ -140,7 +140,7 @@ class UnitTerm : public ceres::CostFunction {
   double weight_;
 };
 
-/// weight * (a - 2 b + c), 3 residuals; parameters joint (3) in three frames in a row.
+/// weight * (a - 2 b + c), 3 residuals; parameters the joint (3) in three successive frames.
 class AccelerationTerm : public ceres::SizedCostFunction<3, 3, 3, 3> {
  public:
   explicit AccelerationTerm(double weight) : weight_(weight) {}
@@ -170,8 +170,7 @@ void RotationBetween(const T* a, const T* b, T* vector) {
   ceres::QuaternionToAngleAxis(between, vector);
 }
 
-/// weight * rotation vector from one frame's camera to the next, 3 residuals; parameters quaternion (4), quaternion
-/// (4).
+/// weight * rotation vector of a camera from one frame to the next, 3 residuals; parameters quaternion (4) in both.
 struct AngularVelocityTerm {
   double weight;
 
@@ -186,7 +185,7 @@ struct AngularVelocityTerm {
   }
 };
 
-/// weight * change of the turning from one pair of frames to the next, 3 residuals; parameters three quaternions (4).
+/// weight * change of that rotation vector, 3 residuals; parameters quaternion (4) in three successive frames.
 struct AngularAccelerationTerm {
   double weight;
 

@@ -1,4 +1,4 @@
-// What the solver estimates: cameras, joints and bone lengths of a capture.
+// What the solver estimates: the cameras, joints and bone lengths of a capture.
 #pragma once
 
 #include <array>
@@ -11,13 +11,13 @@
 
 namespace canonpose {
 
-/// One camera, or one camera in one frame. With x_in_camera = rotation * x_in_world + translation and f the focal
-/// length in image diagonals, normalised image coordinates are f * (x, y) / z.
+/// A static camera, or a moving one in one frame. With x_in_camera = rotation * x_in_world + translation and f the
+/// focal length in image diagonals, normalised image coordinates are f * (x, y) / z.
 ///
-/// Where cameras stand still, translation is a parameter. Where they move, the world is centred on the root joint, and
-/// the parameters are where that is seen and how large: placement = (root x, root y, log scale) in normalised image
-/// coordinates, scale = f / depth of the root, so that translation = (x, y, f) / scale. Then the focal length changes
-/// the strength of perspective alone.
+/// Of static cameras, `placement` is the translation. Where cameras move, the world is centred on the root joint in
+/// every frame, and placement = (root x, root y, log scale) says where the root is seen and how large a unit appears
+/// there: scale = f / depth of the root, so that translation = (x, y, f) / scale. The focal length then changes nothing
+/// but the strength of perspective.
 struct CameraEstimate {
   std::array<double, 4> quaternion{1, 0, 0, 0};  ///< camera_from_world; w, x, y, z
   std::array<double, 3> placement{0, 0, 0};      ///< translation, or (root x, root y, log scale)
@@ -36,17 +36,18 @@ struct CameraEstimate {
   [[nodiscard]] double Focal() const { return std::exp(log_focal); }
 };
 
-/// F frames, V views, J joints. Unit: the sum of all bone lengths is 1 (the first subject's, in a static capture).
+/// F frames, V views, J joints. Lengths are in body units: the sum of all bone lengths is 1 (of the first subject's,
+/// where a static capture shows several).
 struct RigEstimate {
   bool static_cameras = true;
   int view_count = 0;
   int joint_count = 0;
-  int first_frame = 0;                                ///< of the capture, where this is a slice of it
+  int first_frame = 0;                                ///< in the capture; not 0 in a slice of it
   std::vector<CameraEstimate> cameras;                ///< (V) static, (F, V) moving
   std::vector<Eigen::Vector3d> joints;                ///< (F, J) in the world; NaN where not solved
   std::vector<std::vector<double>> log_bone_lengths;  ///< (subjects, J) of the bone to the parent; the root's is unused
 
-  /// An estimate of F frames of which nothing is known.
+  /// An estimate in which nothing is known: joints and bone lengths are NaN, cameras not valid.
   static RigEstimate Unknown(bool static_cameras, int frames, int views, int joints, int subjects);
 
   [[nodiscard]] int frame_count() const { return static_cast<int>(joints.size()) / joint_count; }
@@ -63,19 +64,19 @@ struct RigEstimate {
   [[nodiscard]] const Eigen::Vector3d& Joint(int frame, int joint) const {
     return const_cast<RigEstimate*>(this)->Joint(frame, joint);
   }
-  /// The translation of a camera, whichever way it is kept.
+  /// The translation of a camera, static or moving.
   [[nodiscard]] Eigen::Vector3d Translation(int frame, int view) const {
     const CameraEstimate& camera = CameraAt(frame, view);
     if (static_cameras) return Eigen::Vector3d::Map(camera.placement.data());
     return Eigen::Vector3d(camera.placement[0], camera.placement[1], camera.Focal()) / std::exp(camera.placement[2]);
   }
-  /// The views whose cameras are known in a frame, ascending.
+  /// The views whose cameras are valid in a frame, ascending.
   [[nodiscard]] std::vector<int> ValidViews(int frame) const;
-  /// A point of the world in a camera's frame.
+  /// A point of the world in the frame of a camera.
   [[nodiscard]] Eigen::Vector3d InCamera(int frame, int view, const Eigen::Vector3d& point) const {
     return CameraAt(frame, view).Rotation() * point + Translation(frame, view);
   }
-  /// A joint in a camera's frame.
+  /// A joint in the frame of a camera.
   [[nodiscard]] Eigen::Vector3d InCamera(int frame, int view, int joint) const {
     return InCamera(frame, view, Joint(frame, joint));
   }
@@ -85,13 +86,13 @@ struct RigEstimate {
     if (!(p.z() > 0.0)) return Eigen::Vector2d::Constant(std::nan(""));
     return CameraAt(frame, view).Focal() * p.head<2>() / p.z();
   }
-  /// Normalised image coordinates that a unit takes up in a view, at the depth of the root, or of the joints that are
-  /// solved where the root is not; NaN where none is.
+  /// The length of a body unit in a view, in normalised image coordinates, at the depth of the root or, where the root
+  /// is not solved, at the mean depth of the joints that are; NaN where there are none.
   [[nodiscard]] double ImageScale(int frame, int view, int root) const;
 
-  /// A copy of frames `first` .. `first + count - 1`, which keep their numbers.
+  /// A copy of frames `first` .. `first + count - 1`, which keep their numbers (`first_frame`).
   [[nodiscard]] RigEstimate Slice(int first, int count) const;
-  /// Takes over the joints, and the cameras where they move, of these frames of a slice.
+  /// Copies the joints of these frames from a slice, and the cameras where they move.
   void Adopt(const RigEstimate& slice, int first, int count);
 };
 

@@ -19,7 +19,7 @@ constexpr int kSynchronisationRounds = 50;
 
 Eigen::Matrix3d NoRotation() { return Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
-/// How much a frame tells about the rotation between two views: the joints that both see, by confidence.
+/// The weight of a frame for the rotation between two views: the share of joints that both see, by confidence.
 double PairWeight(const CaptureObservations& capture, int frame, int a, int b) {
   double weight = 0.0;
   for (int j = 0; j < capture.joint_count(); ++j) {
@@ -29,7 +29,7 @@ double PairWeight(const CaptureObservations& capture, int frame, int a, int b) {
   return weight / capture.joint_count();
 }
 
-/// Relative rotations of one frame: [to][from] with from < to; weight 0 where one of the two is missing.
+/// Relative rotations of one frame, at [to * V + from] with from < to; weight 0 where one of the two poses is missing.
 struct FrameRotations {
   std::vector<Eigen::Matrix3d> rotation;
   std::vector<double> weight;
@@ -55,7 +55,7 @@ FrameRotations RelativeRotations(const CaptureObservations& capture, int frame) 
   return relative;
 }
 
-/// [to][from] for all pairs, the samples of frames `first` .. `last` of `relative`.
+/// [to][from] for all pairs, from every `stride`-th of the frames `first` .. `last` of `relative`.
 std::vector<std::vector<MeanRotation>> MeanPairs(const std::vector<FrameRotations>& relative, std::size_t first,
                                                  std::size_t last, std::size_t stride, int views) {
   std::vector<std::vector<MeanRotation>> pairs(static_cast<std::size_t>(views),
@@ -153,7 +153,7 @@ std::vector<Eigen::Matrix3d> SynchroniseRotations(const std::vector<std::vector<
         if (w == v || !reached[w] || pairs[v][w].weight <= 0.0) continue;
         const Eigen::Matrix3d sample = pairs[v][w].rotation * rotations[w];
         const double angle = std::max(kMinAngleRad, RotationAngle(sample, rotations[v]));
-        // Pairs whose frames agree count more: opposite views, say, are hard for a lifter.
+        // Pairs whose frames agree count more. Opposite views, for example, are hard for a lifter.
         sum += pairs[v][w].weight / (angle * std::max(kMinAngleRad, pairs[v][w].median_angle_rad)) * sample;
       }
       if (sum.squaredNorm() > 0.0) rotations[v] = NearestRotation(sum);
@@ -173,7 +173,7 @@ StaticRotations AverageStaticRotations(const CaptureObservations& capture, std::
 }
 
 std::vector<std::vector<Eigen::Matrix3d>> SmoothedRotations(const CaptureObservations& capture, double window_seconds) {
-  // More than this many samples of a window add nothing.
+  // More samples per window would add nothing.
   constexpr int kMaxSamples = 31;
   std::vector<FrameRotations> relative;
   for (int n = 0; n < capture.frame_count; ++n) relative.push_back(RelativeRotations(capture, n));
@@ -187,7 +187,7 @@ std::vector<std::vector<Eigen::Matrix3d>> SmoothedRotations(const CaptureObserva
       std::vector<Eigen::Matrix3d> now =
           SynchroniseRotations(MeanPairs(relative, static_cast<std::size_t>(first), static_cast<std::size_t>(last),
                                          static_cast<std::size_t>(stride), capture.view_count()));
-      // The reference camera may change from frame to frame; the world that moves least is the same for all.
+      // The reference camera may change from frame to frame, so turn the world to where it moves least.
       if (n > clip.first) {
         const std::vector<Eigen::Matrix3d>& before = rotations[static_cast<std::size_t>(n - 1)];
         Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();

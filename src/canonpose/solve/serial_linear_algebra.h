@@ -1,11 +1,11 @@
-// Sparse factorisations of small blocks, kept on the thread that asks for them.
+// Keeps linear algebra on the calling thread, for sparse factorisations of small blocks.
 #pragma once
 
 namespace canonpose {
 
-/// While it lives, OpenMP loops started by this thread run on it alone. CHOLMOD's would have four threads each,
-/// whatever is asked for, and the blocks are so small that waking them takes longer than the work: three times as long
-/// for moving cameras. Does nothing where no OpenMP library is loaded.
+/// While it lives, OpenMP loops started by this thread run on it alone. CHOLMOD would use four threads for each,
+/// whatever it is asked to do, and its blocks are so small that waking threads takes longer than the work: the
+/// adjustment of moving cameras took three times as long. Does nothing where no OpenMP library is loaded.
 class OneOpenMpThread {
  public:
   OneOpenMpThread();
@@ -17,7 +17,8 @@ class OneOpenMpThread {
   int active_levels_before_ = -1;
 };
 
-/// While it lives, OpenBLAS uses one thread, for the same reason; that is the whole program's. Does nothing without it.
+/// While it lives, OpenBLAS uses one thread, for the same reason, in the whole program. Does nothing where OpenBLAS is
+/// not loaded.
 class OneBlasThread {
  public:
   OneBlasThread();

@@ -1,4 +1,4 @@
-// For tests only: captures made in memory, and what a lifter might see of them.
+// For tests only: simulated captures in memory, and the poses that a lifter might find in them.
 #pragma once
 
 #include <cmath>
@@ -13,13 +13,13 @@
 
 namespace canonpose::testing {
 
-/// How a pretended lifter errs.
+/// The errors of a pretended lifter.
 struct StartErrors {
-  double turn_rad = 0.25;  ///< of a pose as a whole, along each axis; wandering from view to view
-  double joint_mm = 50.0;
+  double turn_rad = 0.25;  ///< of each pose as a whole, about each axis; standard deviation
+  double joint_mm = 50.0;  ///< of each joint, along each axis; standard deviation
 };
 
-/// The truth, turned, with noise, and of another size in every view: what the solver starts from.
+/// The true poses, rotated, with noise, and of another size in every view: what the solver starts from.
 inline StartPoses NoisyTruth(const Dataset& dataset, const StartErrors& errors = {}, std::uint64_t seed = 1) {
   StartPoses start;
   for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
@@ -54,7 +54,7 @@ inline StartPoses NoisyTruth(const Dataset& dataset, const StartErrors& errors =
   return start;
 }
 
-/// Few people, one clip each, before four static cameras unless `options` say otherwise.
+/// One person, two short clips, four static cameras.
 inline SimulationOptions SmallSimulation() {
   SimulationOptions options;
   options.activities = {Activity::kGait, Activity::kDance};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,6 +14,7 @@
 #include "canonpose/solve/calibration.h"
 #include "canonpose/solve/camera_check.h"
 #include "canonpose/solve/diagnosis.h"
+#include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/serial_linear_algebra.h"
@@ -27,27 +29,35 @@ struct CaptureWork {
   CaptureReport report;
   CameraCheck check;
   Solution solution;
+  WindowsSummary windows;
 };
 
-/// The cameras of a capture, or why there are none in the report. `capture` is mended: cameras out of step, of somebody
-/// else.
+bool HasFailed(const CaptureWork& work) { return !work.report.failure.empty(); }
+
+/// Finds the cameras of a capture, or sets the failure in the report. Corrects `capture`: views that are out of step
+/// are shifted, those that show somebody else removed.
 void FindCameras(CaptureObservations& capture, const SolveOptions& options, CaptureWork& work) {
   work.report.name = capture.name;
   work.report.static_cameras = capture.static_cameras;
   work.report.frames = capture.frame_count;
   work.report.failure = MissingInput(capture);
-  if (!work.report.failure.empty()) return;
+  if (HasFailed(work)) return;
   const CalibrationOptions calibration{options.mirror, options.calibration_frames, ThreadsToUse(options.threads)};
-  const Calibrate calibrate = [&](const CaptureObservations& mended) {
-    return mended.static_cameras ? CalibrateStatic(mended, calibration) : CalibrateMoving(mended, calibration);
+  const Calibrate calibrate = [&](const CaptureObservations& corrected) {
+    return corrected.static_cameras ? CalibrateStatic(corrected, calibration) : CalibrateMoving(corrected, calibration);
   };
   work.solution = calibrate(capture);
-  work.check = CheckCameras(capture, calibrate, work.solution);
+  if (work.solution.calibration.IsUsable()) work.check = CheckCameras(capture, calibrate, work.solution);
+  work.report.calibration = work.solution.calibration;
+  if (!work.solution.calibration.IsUsable()) {
+    work.report.failure = fmt::format("the cameras could not be found: {}", work.solution.calibration.reason);
+  }
 }
 
-/// Captures of moving cameras are single clips: a subject's bones are known better from all of its clips together.
+/// Captures of moving cameras are single clips, so a subject's bone lengths are better known from all of its clips
+/// together.
 void PoolBones(const std::vector<CaptureObservations>& captures, std::vector<CaptureWork>& works) {
-  const auto takes_part = [&](std::size_t c) { return !captures[c].static_cameras && works[c].report.failure.empty(); };
+  const auto takes_part = [&](std::size_t c) { return !captures[c].static_cameras && !HasFailed(works[c]); };
   std::map<std::string, std::vector<std::vector<double>>> of_subject;  // (clips, J)
   for (std::size_t c = 0; c < captures.size(); ++c) {
     if (!takes_part(c)) continue;
@@ -68,13 +78,13 @@ void PoolBones(const std::vector<CaptureObservations>& captures, std::vector<Cap
 }
 
 /// The report of a capture that was solved.
-void FinishReport(const CaptureObservations& capture, const SolveOptions& options, int swaps_mended,
+void FinishReport(const CaptureObservations& capture, const SolveOptions& options, int swaps_corrected,
                   CaptureWork& work) {
   const Solution& solution = work.solution;
   const CameraCheck& check = work.check;
   CaptureReport& report = work.report;
-  report = MakeReport(capture, solution, options.mirror);
-  report.swaps_mended = swaps_mended;
+  report = MakeReport(capture, solution, work.windows, options.mirror);
+  report.swaps_corrected = swaps_corrected;
   for (std::size_t v = 0; v < capture.cameras.size(); ++v) {
     if (check.dropped[v]) report.cameras[v].why_not_used = "does not show the same person, or not at the same time";
     for (std::size_t clip = 0; clip < capture.clips.size(); ++clip) {
@@ -84,34 +94,47 @@ void FinishReport(const CaptureObservations& capture, const SolveOptions& option
   }
   const std::string doubt = Doubtful(MeasurePlausibility(capture, solution));
   if (!doubt.empty()) report.warnings.push_back(doubt);
-  if (options.mirror == "auto" && std::abs(solution.mirror_sigma) < kSureSigma) {
+  if (options.mirror == "auto" && std::abs(solution.mirror_sigma) < kDecisiveSigma) {
     report.warnings.emplace_back(
-        "perspective does not tell whether depth is the right way round; it is as in the start's poses");
+        "perspective is too weak to decide between the poses and their mirror images in depth; depth is as in the "
+        "start's poses");
   }
 }
 
-/// Every frame of a capture whose cameras are known. `capture` is mended where left and right were exchanged.
-void SolveAllFrames(CaptureObservations& capture, const SolveOptions& options, CaptureWork& work) {
-  const int threads = ThreadsToUse(options.threads);
-  Solution& solution = work.solution;
+void TriangulateAllFrames(const CaptureObservations& capture, Solution& solution) {
   const std::vector<int> frames = ConsecutiveFrames(0, capture.frame_count);
+  for (const int frame : frames) {
+    TriangulateFrame(capture, frame, solution.scales, solution.mirrored, solution.estimate);
+  }
+  solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+}
+
+/// Solves all frames in windows and adds to the report how that went. If all windows fail, the capture fails.
+void AdjustAllFrames(const CaptureObservations& capture, const SolveOptions& options, CaptureWork& work) {
+  const std::vector<FailedWindow> failed_before = std::move(work.windows.failed);
+  work.windows = SolveWindows(capture, options.window_frames, ThreadsToUse(options.threads), work.solution);
+  work.windows.AddFailed(failed_before);
+  work.report.windows = work.windows;
+  if (!work.windows.AllFailed()) return;
+  work.report.failure = fmt::format("no frame could be solved: {}", work.windows.failed.front().reason);
+}
+
+/// Solves every frame of a capture whose cameras are known. Corrects left-right swaps in `capture`.
+void SolveAllFrames(CaptureObservations& capture, const SolveOptions& options, CaptureWork& work) {
   const auto solve_frames = [&] {
-    if (!capture.static_cameras) return SolveWindows(capture, options.window_frames, threads, solution);
-    for (const int frame : frames) {
-      TriangulateFrame(capture, frame, solution.scales, solution.mirrored, solution.estimate);
-    }
-    solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
+    capture.static_cameras ? TriangulateAllFrames(capture, work.solution) : AdjustAllFrames(capture, options, work);
   };
   solve_frames();
-  work.report.failure = Implausible(MeasurePlausibility(capture, solution));
-  if (!work.report.failure.empty()) return;
-  const int swaps = MendSwaps(capture, solution, threads);
+  if (HasFailed(work)) return;
+  work.report.failure = Implausible(MeasurePlausibility(capture, work.solution));
+  if (HasFailed(work)) return;
+  const int swaps = CorrectSwaps(capture, work.solution, ThreadsToUse(options.threads));
   if (swaps > 0) solve_frames();
   if (capture.static_cameras) {
-    solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
-    SolveWindows(capture, options.window_frames, threads, solution);
+    work.solution.scales.acceleration = MeasureAccelerations(capture, work.solution.estimate);
+    AdjustAllFrames(capture, options, work);
   }
-  FinishReport(capture, options, swaps, work);
+  if (!HasFailed(work)) FinishReport(capture, options, swaps, work);
 }
 
 Camera CameraOf(const CaptureObservations& capture, const RigEstimate& estimate, int frame, int view) {
@@ -125,7 +148,7 @@ Camera CameraOf(const CaptureObservations& capture, const RigEstimate& estimate,
   return camera;
 }
 
-/// The frame nearest to `frame` in a clip whose camera is known; -1 where there is none.
+/// The frame of a clip nearest to `frame` in which the view's camera is known; -1 where there is none.
 int NearestKnownFrame(const RigEstimate& estimate, const ClipRange& clip, int frame, int view) {
   for (int distance = 0; distance < clip.count; ++distance) {
     for (const int n : {frame - distance, frame + distance}) {
@@ -154,7 +177,7 @@ void WriteView(const CaptureObservations& capture, const Solution& solution, con
   view.solved.assign(3 * values, std::nanf(""));
   view.solved_uncertainty.assign(values, std::nanf(""));
   for (int t = 0; t < clip.count; ++t) {
-    const int frame = clip.first + t + offset_frames;  // in its own time, the camera's keypoints being as recorded
+    const int frame = clip.first + t + offset_frames;  // the dataset keeps the camera's own time
     if (frame < clip.first || frame >= clip.first + clip.count) continue;
     if (!solution.estimate.CameraAt(frame, v).valid) continue;
     for (std::size_t j = 0; j < joints; ++j) {
@@ -187,7 +210,7 @@ void WriteSolution(const CaptureObservations& capture, const Solution& solution,
   }
 }
 
-/// A capture that was not solved: NaN where poses would be.
+/// For a capture that was not solved: NaN where poses would be.
 void WriteNothing(const CaptureObservations& capture, Dataset& dataset) {
   for (const ClipRange& clip : capture.clips) {
     for (CameraView& view : dataset.sequences[clip.sequence].cameras) {
@@ -197,7 +220,7 @@ void WriteNothing(const CaptureObservations& capture, Dataset& dataset) {
   }
 }
 
-/// Throws where no capture was solved, with the reason of each.
+/// Throws, with the reason of each, where no capture was solved.
 void RequireOneSolved(const SolveReport& report) {
   std::string reasons;
   for (const CaptureReport& capture : report.captures) {
@@ -242,8 +265,8 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
   for (std::size_t c = 0; c < captures.size(); ++c) {
     ThrowIfStopRequested();
     progress.Update(done++, captures[c].name + ", all frames");
-    if (works[c].report.failure.empty()) SolveAllFrames(captures[c], options, works[c]);
-    if (works[c].report.failure.empty()) {
+    if (!HasFailed(works[c])) SolveAllFrames(captures[c], options, works[c]);
+    if (!HasFailed(works[c])) {
       WriteSolution(captures[c], works[c].solution, works[c].check, dataset);
     } else {
       WriteNothing(captures[c], dataset);

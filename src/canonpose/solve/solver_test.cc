@@ -41,7 +41,7 @@ Dataset ExactCapture() {
   return testing::Simulate(options).dataset;
 }
 
-/// Distances of `solved` from the truth, both relative to the root, mm, under one scale for the whole sequence.
+/// Distances of `solved` from the truth in mm, both relative to the root, with one scale for the whole sequence.
 std::vector<double> ErrorsMm(const Sequence& sequence, const Skeleton& skeleton) {
   const auto joints = static_cast<std::size_t>(skeleton.joint_count());
   std::vector<Eigen::Vector3d> solved;
@@ -84,7 +84,7 @@ TEST(Solve, ExactKeypointsOfAStaticRigGiveTheTruth) {
   }
 }
 
-/// The depth mirror of a start.
+/// The mirror of the start's poses in depth.
 StartPoses Mirrored(StartPoses start) {
   for (std::vector<float>& view : start.sequences[0]) {
     for (std::size_t i = 2; i < view.size(); i += 3) view[i] = -view[i];
@@ -174,12 +174,12 @@ TEST(Solve, WindowsGiveWhatOneLargeWindowGives) {
     }
   }
   std::sort(differences.begin(), differences.end());
-  // The unit is some 4.5 m; a keypoint's error is of 4e-3.
+  // The unit is about 4.5 m; keypoints are off by about 4e-3.
   EXPECT_LT(differences[differences.size() / 2], 5e-5);
   EXPECT_LT(differences[differences.size() * 99 / 100], 5e-4);
 }
 
-/// Frame n of the camera is frame n - frames of the recording.
+/// Delays a camera: its frame n becomes what its frame n - frames was.
 void Delay(CameraView& view, int joints, int frames) {
   const auto delay = [&](std::vector<float>& values, std::size_t width, float none) {
     values.insert(values.begin(), width * static_cast<std::size_t>(joints * frames), none);
@@ -208,7 +208,7 @@ TEST(Solve, ADelayedCameraIsSolvedAtItsOwnFrames) {
   EXPECT_EQ(
       std::memcmp(keypoints.data(), delayed.sequences[0].cameras[2].keypoints.data(), keypoints.size() * sizeof(float)),
       0);
-  // The truth moved with the keypoints; without a delay the median is 22 mm.
+  // The truth was delayed with the keypoints. Without a delay the median is 22 mm.
   EXPECT_LT(Median(ErrorsMm(delayed.sequences[0], delayed.skeleton)), 24.0);
 }
 

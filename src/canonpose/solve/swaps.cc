@@ -8,6 +8,7 @@
 
 #include "canonpose/base/median.h"
 #include "canonpose/base/parallel.h"
+#include "canonpose/solve/fit.h"
 #include "canonpose/solve/initialisation.h"
 
 namespace canonpose {
@@ -15,17 +16,17 @@ namespace {
 
 using ViewMask = std::uint32_t;
 
-/// What exchanges cost: each frame of a view that is exchanged, and each view that is exchanged from now on, or no
-/// longer. Two views contradict each other less, so that they must say more.
-struct ExchangeCosts {
-  double frame;
-  double change;
+/// What swaps cost, in units of CauchyLoss(). Two views can contradict each other less, so a swap must explain more.
+/// Chosen by hand.
+struct SwapCosts {
+  double frame;   ///< of each frame in which a view is swapped
+  double change;  ///< of each view that is swapped in one frame but not in the next, or the other way round
 };
-constexpr ExchangeCosts kCostsOfTwoViews = {1.5, 6.0};
-constexpr ExchangeCosts kCostsOfMoreViews = {0.5, 4.0};
-/// Of each view beyond the first that is exchanged at the same time.
+constexpr SwapCosts kCostsOfTwoViews = {1.5, 6.0};
+constexpr SwapCosts kCostsOfMoreViews = {0.5, 4.0};
+/// Of each view beyond the first that is swapped in the same frame.
 constexpr double kNextViewCost = 2.0;
-/// With more views than this, one at a time is exchanged.
+/// With more views than this, only one at a time may be swapped.
 constexpr int kMaxViewsForPairs = 6;
 constexpr int kFramesAtATime = 64;
 
@@ -53,7 +54,7 @@ void ExchangePairs(CaptureObservations& capture, int frame, int view, const Swap
   }
 }
 
-/// None, each view, each two views.
+/// The sets of views that may be swapped in a frame: none, one, two.
 std::vector<ViewMask> Patterns(const std::vector<int>& views) {
   std::vector<ViewMask> patterns = {0};
   for (const int v : views) patterns.push_back(ViewMask{1} << v);
@@ -74,7 +75,7 @@ struct OneFrame {
   }
 };
 
-/// The joints of a part (2 a pair, in the order of pairs) under each pattern of a frame, and how badly they fit.
+/// The joints of a part (2 per pair, in the order of pairs) and their cost under each pattern of a frame.
 struct PartFrame {
   std::vector<std::vector<Eigen::Vector3d>> joints;
   std::vector<double> costs;
@@ -84,14 +85,14 @@ struct PartFrame {
 class PartSearch {
  public:
   PartSearch(const CaptureObservations& capture, const Solution& solution, const std::vector<ViewMask>& patterns,
-             const SwapParts::Pairs& pairs, const ExchangeCosts& costs)
+             const SwapParts::Pairs& pairs, const SwapCosts& costs)
       : capture_(capture), solution_(solution), patterns_(patterns), pairs_(pairs), costs_(costs) {}
 
   /// The pattern of each frame of a clip.
   [[nodiscard]] std::vector<ViewMask> Find(const ClipRange& clip, int threads) const;
 
  private:
-  [[nodiscard]] PartFrame Look(int frame) const;
+  [[nodiscard]] PartFrame TryPatterns(int frame) const;
   [[nodiscard]] double ViewCost(const OneFrame& frame, int joint, const Eigen::Vector3d& point) const;
   [[nodiscard]] double BoneCost(int frame, const std::vector<Eigen::Vector3d>& all_joints) const;
   [[nodiscard]] std::vector<double> Steps(const std::vector<PartFrame>& frames) const;
@@ -100,7 +101,7 @@ class PartSearch {
   const Solution& solution_;
   const std::vector<ViewMask>& patterns_;
   const SwapParts::Pairs& pairs_;
-  ExchangeCosts costs_;
+  SwapCosts costs_;
 };
 
 double PartSearch::ViewCost(const OneFrame& frame, int joint, const Eigen::Vector3d& point) const {
@@ -133,7 +134,7 @@ double PartSearch::BoneCost(int frame, const std::vector<Eigen::Vector3d>& all_j
   return cost;
 }
 
-PartFrame PartSearch::Look(int frame) const {
+PartFrame PartSearch::TryPatterns(int frame) const {
   PartFrame result;
   OneFrame one(capture_, solution_.estimate, frame);
   std::vector<Eigen::Vector3d> joints;  // all
@@ -158,14 +159,14 @@ PartFrame PartSearch::Look(int frame) const {
       }
     }
     exchange();
-    const int exchanged = std::popcount(pattern);
-    cost += costs_.frame * exchanged + kNextViewCost * std::max(0, exchanged - 1);
+    const int swapped = std::popcount(pattern);
+    cost += costs_.frame * swapped + kNextViewCost * std::max(0, swapped - 1);
     result.costs.push_back(cost + BoneCost(frame, joints));
   }
   return result;
 }
 
-/// What a joint usually moves in a frame, in the order of PartFrame's joints; NaN where unknown.
+/// The usual motion of each joint from one frame to the next, in the order of PartFrame's joints; NaN where unknown.
 std::vector<double> PartSearch::Steps(const std::vector<PartFrame>& frames) const {
   std::vector<double> steps(2 * pairs_.size(), std::nan(""));
   for (std::size_t j = 0; j < steps.size(); ++j) {
@@ -183,7 +184,8 @@ std::vector<ViewMask> PartSearch::Find(const ClipRange& clip, int threads) const
   std::vector<PartFrame> frames(static_cast<std::size_t>(clip.count));
   InParallel((clip.count + kFramesAtATime - 1) / kFramesAtATime, threads, [&](int batch) {
     const int end = std::min(clip.count, (batch + 1) * kFramesAtATime);
-    for (int t = batch * kFramesAtATime; t < end; ++t) frames[static_cast<std::size_t>(t)] = Look(clip.first + t);
+    for (int t = batch * kFramesAtATime; t < end; ++t)
+      frames[static_cast<std::size_t>(t)] = TryPatterns(clip.first + t);
   });
   const std::vector<double> steps = Steps(frames);
   const auto change = [&](int t, int before, int now) {
@@ -208,7 +210,7 @@ std::vector<ViewMask> PartSearch::Find(const ClipRange& clip, int threads) const
   return found;
 }
 
-/// The views that have a camera in some frame.
+/// The views whose camera is valid in some frame.
 std::vector<int> KnownViews(const CaptureObservations& capture, const RigEstimate& estimate) {
   std::vector<int> known;
   for (int v = 0; v < capture.view_count(); ++v) {
@@ -233,14 +235,14 @@ SwapParts FindSwapParts(const Skeleton& skeleton) {
   return parts;
 }
 
-int MendSwaps(CaptureObservations& capture, const Solution& solution, int threads) {
+int CorrectSwaps(CaptureObservations& capture, const Solution& solution, int threads) {
   const std::vector<int> views = KnownViews(capture, solution.estimate);
   if (views.size() < 2 || views.back() >= 32) return 0;
   const std::vector<ViewMask> patterns = Patterns(views);
-  const ExchangeCosts& costs = views.size() == 2 ? kCostsOfTwoViews : kCostsOfMoreViews;
+  const SwapCosts& costs = views.size() == 2 ? kCostsOfTwoViews : kCostsOfMoreViews;
   const SwapParts parts = FindSwapParts(capture.skeleton);
   const std::array<const SwapParts::Pairs*, 3> all = {&parts.legs, &parts.arms, &parts.rest};
-  int mended = 0;
+  int corrected = 0;
   for (const ClipRange& clip : capture.clips) {
     std::array<std::vector<ViewMask>, 3> found;
     for (std::size_t p = 0; p < all.size(); ++p) {
@@ -256,11 +258,11 @@ int MendSwaps(CaptureObservations& capture, const Solution& solution, int thread
         if (((found[0][i] & found[1][i]) >> v & 1) != 0) {
           std::fill_n(&capture.start[3 * capture.Index(frame, v, 0)], 3 * capture.joint_count(), std::nanf(""));
         }
-        mended += ((found[0][i] | found[1][i] | found[2][i]) >> v & 1) != 0 ? 1 : 0;
+        corrected += ((found[0][i] | found[1][i] | found[2][i]) >> v & 1) != 0 ? 1 : 0;
       }
     }
   }
-  return mended;
+  return corrected;
 }
 
 }  // namespace canonpose

@@ -1,10 +1,10 @@
-// Left and right exchanged by the detector in one view for some frames: found by what the other views and the
-// neighbouring frames say, and mended.
+// Left-right swaps: frames in which the detector took left for right in a view. They are found by comparison with the
+// other views and the neighbouring frames, and corrected.
 //
-// For each part of the body and each frame, every pattern of exchanged views (none, one, two of them) is tried: the
-// part's joints are triangulated as if those views had left and right the wrong way round, and cost what they are off
-// the keypoints, off the lengths of bones, and from where they were in the frame before. Exchanges cost something, too,
-// and so do changes of the pattern: they must explain that much. The cheapest path through the frames is taken.
+// For each part of the body and each frame, all sets of up to two swapped views are tried. The part's joints are
+// triangulated as if those views had left and right exchanged. The cost is what the joints are off the keypoints, off
+// the bone lengths, and away from where they were in the frame before. Swapped views and changes from frame to frame
+// cost extra, so that a swap must explain the keypoints clearly better. The cheapest path through the frames wins.
 #pragma once
 
 #include <algorithm>
@@ -13,24 +13,24 @@
 #include <limits>
 #include <vector>
 
-#include "canonpose/solve/fit.h"
 #include "canonpose/solve/observations.h"
+#include "canonpose/solve/solution.h"
 
 namespace canonpose {
 
-/// The joints that detectors exchange together, as pairs of left-right partners.
+/// The joints that detectors swap together, as pairs of left-right partners.
 struct SwapParts {
   using Pairs = std::vector<std::array<int, 2>>;
-  Pairs legs;  ///< hips and what is below them
-  Pairs arms;  ///< shoulders and what is below them, the legs apart
-  Pairs rest;  ///< of the head, say
+  Pairs legs;  ///< hips and what is below them in the tree
+  Pairs arms;  ///< shoulders and what is below them, without legs
+  Pairs rest;  ///< all others, such as eyes and ears
 };
 
-/// From the partners and the tree of a skeleton; hips and shoulders are known by name.
+/// From the partners and the tree of a skeleton; hips and shoulders are recognised by name.
 SwapParts FindSwapParts(const Skeleton& skeleton);
 
-/// The state 0 .. states - 1 of each frame whose costs add up to the least (Viterbi): cost(frame, state) and, from the
-/// second frame on, change(frame, state before, state).
+/// The path of states (0 .. states - 1, one per frame) of least total cost, by Viterbi's algorithm. The total is the
+/// sum of cost(frame, state) and, from the second frame on, change(frame, state before, state).
 template <typename Cost, typename Change>
 std::vector<int> CheapestPath(int frames, int states, Cost&& cost, Change&& change) {
   const auto width = static_cast<std::size_t>(states);
@@ -59,10 +59,10 @@ std::vector<int> CheapestPath(int frames, int states, Cost&& cost, Change&& chan
   return path;
 }
 
-/// Exchanges left and right keypoints (legs, arms, or all) in `capture` where that explains them clearly better, and
-/// returns in how many frames of how many views (their sum) it did. Needs cameras and bone lengths; joints are
-/// triangulated anew. The lifter's pose of a view whose legs and arms were both exchanged is removed. The result does
-/// not depend on `threads`.
-int MendSwaps(CaptureObservations& capture, const Solution& solution, int threads);
+/// Exchanges left and right keypoints (of legs, arms, the rest) in `capture` where that explains them clearly better.
+/// Returns the number of frames in which it did, summed over views. Needs cameras and bone lengths; joints are
+/// triangulated anew. Removes the lifter's pose of a view whose legs and arms were both swapped. The result does not
+/// depend on `threads`.
+int CorrectSwaps(CaptureObservations& capture, const Solution& solution, int threads);
 
 }  // namespace canonpose

@@ -72,7 +72,8 @@ Solved SolveSmall(const testing::SimulatedCapture& simulated) {
   return solved;
 }
 
-/// Keypoints (frame, view, joint of a pair) whose place in the truth is its partner's, and those that were exchanged.
+/// Keypoints (of a frame, a view and a joint with a partner) that the simulated detector swapped, and those of them,
+/// and of the others, that were exchanged.
 struct Count {
   int swapped = 0;
   int found = 0;
@@ -103,33 +104,33 @@ Count CountSwaps(const testing::SimulatedCapture& simulated, const CaptureObserv
   return count;
 }
 
-TEST(MendSwaps, FindsMostAndInventsFew) {
+TEST(CorrectSwaps, FindsMostAndInventsFew) {
   SimulationOptions options = testing::SmallSimulation();
   options.detector.swaps = 4.0;
   const testing::SimulatedCapture simulated = testing::Simulate(options);
   Solved solved = SolveSmall(simulated);
   const CaptureObservations before = solved.capture;
-  EXPECT_GT(MendSwaps(solved.capture, solved.solution, 1), 0);
+  EXPECT_GT(CorrectSwaps(solved.capture, solved.solution, 1), 0);
   const Count count = CountSwaps(simulated, before, solved.capture);
   ASSERT_GT(count.swapped, 100);
   EXPECT_GT(count.found, 0.9 * count.swapped);
   EXPECT_LT(count.falsely, 0.1 * count.swapped);
 }
 
-TEST(MendSwaps, LeavesExactKeypointsAlone) {
+TEST(CorrectSwaps, LeavesExactKeypointsAlone) {
   SimulationOptions options = testing::SmallSimulation();
   options.detector.noise = 0.0;
   Solved solved = SolveSmall(testing::Simulate(options));
-  EXPECT_EQ(MendSwaps(solved.capture, solved.solution, 1), 0);
+  EXPECT_EQ(CorrectSwaps(solved.capture, solved.solution, 1), 0);
 }
 
-TEST(MendSwaps, DoesNotDependOnThreads) {
+TEST(CorrectSwaps, DoesNotDependOnThreads) {
   SimulationOptions options = testing::SmallSimulation();
   options.detector.swaps = 4.0;
   options.clips = 1;
   Solved solved = SolveSmall(testing::Simulate(options));
   CaptureObservations other = solved.capture;
-  EXPECT_EQ(MendSwaps(solved.capture, solved.solution, 1), MendSwaps(other, solved.solution, 3));
+  EXPECT_EQ(CorrectSwaps(solved.capture, solved.solution, 1), CorrectSwaps(other, solved.solution, 3));
   EXPECT_EQ(solved.capture.confidence, other.confidence);
 }
 

@@ -10,6 +10,7 @@
 #include <ceres/solver.h>
 
 #include "canonpose/solve/ceres_options.h"
+#include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/residuals.h"
@@ -17,20 +18,20 @@
 namespace canonpose {
 namespace {
 
-/// Runs of consecutive frames of a clip in which offsets are looked for.
+/// Offsets are searched for in this many runs of consecutive frames of a clip, if it is long enough.
 constexpr int kOffsetRuns = 4;
 constexpr int kOffsetRunFrames = 60;
-/// With fewer frames of its own a camera has no offset that could be told.
+/// With fewer frames that can be compared, no offset is found.
 constexpr int kMinOffsetFrames = 20;
-/// An offset is believed where it fits better by this many standard errors and this share of the cost.
+/// An offset is accepted where it lowers the cost by this many standard errors and this fraction. Chosen by hand.
 constexpr double kOffsetSigma = 3.0;
-constexpr double kOffsetShare = 0.05;
-/// Frames from which a camera is found anew at an offset.
+constexpr double kOffsetFraction = 0.05;
+/// Frames from which a camera is estimated anew at an offset.
 constexpr int kRefitFrames = 40;
-/// At every third offset; at those between, as at the nearest.
+/// The camera is estimated at every third offset; offsets between use the nearest estimate.
 constexpr int kRefitStep = 3;
 
-/// A joint in the frame of a camera that stands still.
+/// A joint in the frame of a static camera.
 Eigen::Vector3d InStaticCamera(const CameraEstimate& camera, const Eigen::Vector3d& joint) {
   return camera.Rotation() * joint + Eigen::Vector3d::Map(camera.placement.data());
 }
@@ -39,18 +40,18 @@ double Scatter(const CaptureObservations& capture, const Solution& solution, int
   return solution.scales.observation.Scatter(joint, capture.confidence[capture.Index(frame, view, joint)]);
 }
 
-/// How a view fits the others in a clip at each offset -most .. most; one mean cost for each frame that was looked at.
+/// How well a view fits the others in a clip at each offset -max .. max: a mean cost for each frame that was compared.
 class OffsetSearch {
  public:
   OffsetSearch(const CaptureObservations& capture, const Solution& solution, int clip, int view);
   [[nodiscard]] OffsetEstimate Best(bool refine) const;
 
  private:
-  void LookAt(const std::vector<int>& frames);
+  void Compare(const std::vector<int>& frames);
   /// The mean cost of the view's keypoints of `frame` at an offset; NaN where there is nothing to compare.
   [[nodiscard]] double CostAgainstOthers(int frame, int offset, const CameraEstimate& camera);
-  /// The view's camera as it fits the others' joints best at an offset: where it was found with the wrong time, it
-  /// stands where that hurts least.
+  /// The camera that fits the others' joints best at an offset. One that was estimated with the wrong offset partly
+  /// compensates for it and would favour that offset.
   [[nodiscard]] CameraEstimate Refit(int offset);
   [[nodiscard]] double CostOfPair(int frame, int offset) const;
   std::vector<Eigen::Vector3d>& OthersAt(int frame);
@@ -59,11 +60,11 @@ class OffsetSearch {
   const Solution& solution_;
   const ClipRange& clip_;
   int view_;
-  int other_view_ = -1;  ///< where there are two alone
-  int most_ = kMaxOffset;
-  std::vector<std::vector<Eigen::Vector3d>> others_;  ///< by frame of the clip; empty: not yet asked for
+  int other_view_ = -1;  ///< where there are only two
+  int max_ = kMaxOffset;
+  std::vector<std::vector<Eigen::Vector3d>> others_;  ///< by frame of the clip; empty until needed
   std::vector<int> frames_;
-  std::vector<std::vector<double>> costs_;  ///< (2 most + 1, frames)
+  std::vector<std::vector<double>> costs_;  ///< (2 max + 1, frames)
 };
 
 OffsetSearch::OffsetSearch(const CaptureObservations& capture, const Solution& solution, int clip, int view)
@@ -75,14 +76,14 @@ OffsetSearch::OffsetSearch(const CaptureObservations& capture, const Solution& s
   if (!solution.estimate.CameraAt(clip_.first, view).valid) return;
   const std::vector<int> views = solution.estimate.ValidViews(clip_.first);
   if (views.size() == 2) other_view_ = views[0] == view ? views[1] : views[0];
-  most_ = std::min(kMaxOffset, (clip_.count - kMinOffsetFrames) / 2);
-  if (most_ < 1) return;
-  costs_.resize(static_cast<std::size_t>(2 * most_ + 1));
+  max_ = std::min(kMaxOffset, (clip_.count - kMinOffsetFrames) / 2);
+  if (max_ < 1) return;
+  costs_.resize(static_cast<std::size_t>(2 * max_ + 1));
   // Frames that have all their neighbours.
-  const std::vector<int> frames = ConsecutiveFrames(clip_.first + most_, clip_.count - 2 * most_);
-  // Where there is room for one run alone, what is left beside it is looked at, too.
+  const std::vector<int> frames = ConsecutiveFrames(clip_.first + max_, clip_.count - 2 * max_);
+  // Where there is room for one run only, all frames are compared.
   const bool has_runs = frames.size() >= 2 * static_cast<std::size_t>(kOffsetRunFrames);
-  LookAt(has_runs ? EvenRuns(frames, kOffsetRuns, kOffsetRunFrames) : frames);
+  Compare(has_runs ? EvenRuns(frames, kOffsetRuns, kOffsetRunFrames) : frames);
 }
 
 std::vector<Eigen::Vector3d>& OffsetSearch::OthersAt(int frame) {
@@ -141,8 +142,8 @@ double OffsetSearch::CostAgainstOthers(int frame, int offset, const CameraEstima
   return sum / count;
 }
 
-/// Two views: how well rays of the one in `frame` and of the other in `frame` + `offset` meet, and whether bones keep
-/// their lengths.
+/// Of two views: how well the rays of one in `frame` and of the other in `frame` + `offset` meet, and whether bones
+/// keep their lengths.
 double OffsetSearch::CostOfPair(int frame, int offset) const {
   std::vector<int> frame_of_view(capture_.cameras.size(), -1);
   frame_of_view[static_cast<std::size_t>(view_)] = frame;
@@ -173,15 +174,15 @@ double OffsetSearch::CostOfPair(int frame, int offset) const {
   return sum / count;
 }
 
-void OffsetSearch::LookAt(const std::vector<int>& frames) {
+void OffsetSearch::Compare(const std::vector<int>& frames) {
   frames_ = frames;
   std::vector<std::vector<double>> costs;
   CameraEstimate camera;
   int refitted_at = INT_MIN;
-  for (int offset = -most_; offset <= most_; ++offset) {
+  for (int offset = -max_; offset <= max_; ++offset) {
     const int nearest = static_cast<int>(std::lround(static_cast<double>(offset) / kRefitStep)) * kRefitStep;
     if (other_view_ < 0 && nearest != refitted_at) {
-      camera = Refit(std::clamp(nearest, -most_, most_));
+      camera = Refit(std::clamp(nearest, -max_, max_));
       refitted_at = nearest;
     }
     costs.emplace_back();
@@ -189,7 +190,7 @@ void OffsetSearch::LookAt(const std::vector<int>& frames) {
       costs.back().push_back(other_view_ >= 0 ? CostOfPair(frame, offset) : CostAgainstOthers(frame, offset, camera));
     }
   }
-  // The same frames for all offsets, or their means could not be compared.
+  // The same frames for all offsets, so that their means can be compared.
   frames_.clear();
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (!std::ranges::all_of(costs, [i](const std::vector<double>& of_offset) { return std::isfinite(of_offset[i]); }))
@@ -207,17 +208,17 @@ double Mean(const std::vector<double>& values) {
 
 OffsetEstimate OffsetSearch::Best(bool refine) const {
   if (static_cast<int>(frames_.size()) < kMinOffsetFrames) return {};
-  const auto here = static_cast<std::size_t>(most_);
+  const auto here = static_cast<std::size_t>(max_);
   std::size_t best = here;
   for (std::size_t i = 0; i < costs_.size(); ++i) {
     if (Mean(costs_[i]) < Mean(costs_[best])) best = i;
   }
   if (best == here) return {};
-  const int offset = static_cast<int>(best) - most_;
+  const int offset = static_cast<int>(best) - max_;
   const double now = Mean(costs_[here]);
   const double gain = now - Mean(costs_[best]);
   if (refine) return {offset, gain};
-  if (gain < kOffsetShare * now) return {};
+  if (gain < kOffsetFraction * now) return {};
   std::vector<double> gains;
   for (std::size_t i = 0; i < frames_.size(); ++i) gains.push_back(costs_[here][i] - costs_[best][i]);
   const BlockMean found = MeanOverBlocks(capture_, frames_, gains);

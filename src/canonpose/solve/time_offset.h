@@ -1,21 +1,21 @@
-// How many frames a camera is early or late.
+// The time offset of a camera, in frames.
 #pragma once
 
-#include "canonpose/solve/fit.h"
 #include "canonpose/solve/observations.h"
+#include "canonpose/solve/solution.h"
 
 namespace canonpose {
 
-/// Offsets of up to this many frames are found.
+/// The largest offset, in frames, that is searched for.
 inline constexpr int kMaxOffset = 15;
 
-/// The time offset in frames at which a view of static cameras fits the others best in a clip, 0 where no other one is
-/// clearly better. `gain` is how much less the mean cost of a keypoint is.
 struct OffsetEstimate {
-  int frames = 0;
-  double gain = 0.0;
+  int frames = 0;     ///< as ShiftView() (camera_check.h) takes them
+  double gain = 0.0;  ///< by how much they lower the mean cost of a keypoint
 };
-/// `refine`: the view was moved already, and is moved on to wherever it fits better at all.
+
+/// The time offset at which a view of static cameras fits the others best in a clip; 0 where no other offset is clearly
+/// better. `refine`: the view has been shifted already, and any better offset will do.
 OffsetEstimate EstimateOffset(const CaptureObservations& capture, const Solution& solution, int clip, int view,
                               bool refine);
 

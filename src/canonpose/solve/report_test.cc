@@ -1,0 +1,99 @@
+#include "canonpose/solve/report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "canonpose/solve/exact_rig_testing.h"
+
+namespace canonpose {
+namespace {
+
+using testing::ExactRig;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::MakeExactRig;
+using ::testing::Not;
+
+/// Frames 10 .. 29 of the truth could not be solved; frames 25 .. 29 one camera alone sees anyway.
+struct HalfSolved {
+  ExactRig rig = MakeExactRig();
+  Solution solution;
+  WindowsSummary windows;
+
+  HalfSolved() {
+    solution.estimate = rig.truth;
+    solution.calibration = {AdjustmentEnding::kConverged, "Function tolerance reached", 12, 50.0, 2.5};
+    windows.windows = 4;
+    windows.stopped_early = 3;
+    windows.failed = {{0, 10, 20, "Residual and Jacobian evaluation failed"}};
+    for (int n = 10; n < 30; ++n) {
+      for (int j = 0; j < rig.capture.joint_count(); ++j) {
+        solution.estimate.Joint(n, j).setConstant(std::nan(""));
+        for (int v = 1; n >= 25 && v < rig.capture.view_count(); ++v) testing::Hide(rig.capture, n, v, j);
+      }
+    }
+  }
+};
+
+nlohmann::json JsonOf(const CaptureReport& report) {
+  return nlohmann::json::parse(SolveReport{{report}}.ToJson())["captures"][0];
+}
+
+TEST(Report, CountsFramesOfFailedWindowsAndSaysWhy) {
+  const HalfSolved half;
+  const CaptureReport report = MakeReport(half.rig.capture, half.solution, half.windows, "auto");
+  EXPECT_EQ(report.frames, 40);
+  EXPECT_EQ(report.frames_solved, 20);
+  EXPECT_EQ(report.frames_in_failed_windows, 15);
+  EXPECT_EQ(report.frames_too_few_views, 5);
+  const std::string text = SolveReport{{report}}.ToText();
+  EXPECT_THAT(text, HasSubstr("20 of 40 solved"));
+  EXPECT_THAT(text, HasSubstr("15 frames are not solved: the bundle adjustment of 1 of 4 windows failed (Residual and "
+                              "Jacobian evaluation failed)"));
+}
+
+TEST(Report, JsonHasTheAdjustments) {
+  const HalfSolved half;
+  const nlohmann::json json = JsonOf(MakeReport(half.rig.capture, half.solution, half.windows, "auto"));
+  EXPECT_EQ(json["frames_in_failed_windows"], 15);
+  EXPECT_EQ(json["calibration"]["ending"], "converged");
+  EXPECT_EQ(json["calibration"]["reason"], "Function tolerance reached");
+  EXPECT_EQ(json["calibration"]["iterations"], 12);
+  EXPECT_EQ(json["calibration"]["initial_cost"], 50.0);
+  EXPECT_EQ(json["calibration"]["final_cost"], 2.5);
+  EXPECT_EQ(json["windows"]["count"], 4);
+  EXPECT_EQ(json["windows"]["stopped_early"], 3);
+  EXPECT_EQ(json["windows"]["failed"], 1);
+  EXPECT_EQ(json["windows"]["failures"][0]["clip"], 0);
+  EXPECT_EQ(json["windows"]["failures"][0]["first_frame"], 10);
+  EXPECT_EQ(json["windows"]["failures"][0]["frames"], 20);
+}
+
+TEST(Report, OfACaptureThatFailedSaysHowFarItCame) {
+  CaptureReport report;
+  report.failure = "the cameras could not be found: nothing to start from";
+  EXPECT_TRUE(JsonOf(report)["calibration"].is_null());
+  EXPECT_TRUE(JsonOf(report)["windows"].is_null());
+  report.calibration.emplace().reason = "nothing to start from";
+  const nlohmann::json calibration = JsonOf(report)["calibration"];
+  EXPECT_EQ(calibration["ending"], "failed");
+  EXPECT_EQ(calibration["reason"], "nothing to start from");
+  EXPECT_TRUE(calibration["final_cost"].is_null());
+  EXPECT_THAT(SolveReport{{report}}.ToText(), HasSubstr("not solved: the cameras could not be found"));
+}
+
+TEST(Report, IsQuietWhereNothingWentWrong) {
+  const ExactRig rig = MakeExactRig();
+  Solution solution;
+  solution.estimate = rig.truth;
+  WindowsSummary windows;
+  windows.windows = windows.converged = 4;
+  const CaptureReport report = MakeReport(rig.capture, solution, windows, "auto");
+  EXPECT_EQ(report.frames_solved, 40);
+  EXPECT_THAT(report.warnings, IsEmpty());
+  EXPECT_THAT(SolveReport{{report}}.ToText(), Not(HasSubstr("adjustment")));
+}
+
+}  // namespace
+}  // namespace canonpose

@@ -2,87 +2,34 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
 
 #include "canonpose/base/median.h"
 #include "canonpose/solve/calibration.h"
 #include "canonpose/solve/diagnosis.h"
 #include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
-#include "canonpose/solve/initialisation.h"
+#include "canonpose/solve/signs.h"
 #include "canonpose/solve/time_offset.h"
+#include "canonpose/solve/view_examination.h"
 
 namespace canonpose {
 namespace {
 
 constexpr int kOffsetRounds = 3;
-/// Disagreement is measured in about this many frames.
-constexpr int kDisagreementFrames = 300;
-/// A view is suspected above this disagreement, in body units. Measured on simulated captures: 0.8 to 2.2 % usually, 10
-/// to 30 % where it shows somebody else.
-constexpr double kSuspectDisagreement = 0.04;
-/// It is dropped if without it the error of the others is below kAgreement (body units) and below kAgreementGain times
-/// the error with it. Measured: 0.25 to 0.6 % usually, 0.7 to 6 % with a view of somebody else.
+constexpr int kExaminationRounds = 3;
+/// A subset of views is taken for right if their median error is below this, in body units, and below this multiple of
+/// the error with all views. Measured: 0.25 to 0.6 % usually, 0.7 to 6 % with a view of somebody else.
 constexpr double kAgreement = 0.015;
 constexpr double kAgreementGain = 0.8;
+/// Pairs of views are tried up to this many.
+constexpr std::size_t kMaxPairs = 15;
 
-}  // namespace
-
-void ShiftView(CaptureObservations& capture, int clip, int view, int frames) {
-  if (frames == 0) return;
-  const ClipRange& range = capture.clips[static_cast<std::size_t>(clip)];
-  const auto joints = static_cast<std::size_t>(capture.joint_count());
-  for (int i = 0; i < range.count; ++i) {
-    // Frames that become later are moved from the last to the first, so that none is overwritten before it has moved.
-    const int t = frames > 0 ? range.count - 1 - i : i;
-    const int source = t - frames;
-    const bool is_there = source >= 0 && source < range.count;
-    const std::size_t to = capture.Index(range.first + t, view, 0);
-    const std::size_t from = is_there ? capture.Index(range.first + source, view, 0) : 0;
-    const auto move = [&](std::vector<float>& values, std::size_t width, float none) {
-      if (is_there) std::copy_n(&values[width * from], width * joints, &values[width * to]);
-      if (!is_there) std::fill_n(&values[width * to], width * joints, none);
-    };
-    move(capture.xy, 2, std::nanf(""));
-    move(capture.confidence, 1, 0.0F);
-    move(capture.start, 3, std::nanf(""));
-  }
-}
-
-void DropView(CaptureObservations& capture, int view) {
-  for (int n = 0; n < capture.frame_count; ++n) {
-    for (int j = 0; j < capture.joint_count(); ++j) {
-      const std::size_t i = capture.Index(n, view, j);
-      capture.confidence[i] = 0.0F;
-      std::fill_n(&capture.xy[2 * i], 2, std::nanf(""));
-      std::fill_n(&capture.start[3 * i], 3, std::nanf(""));
-    }
-  }
-}
-
-double DisagreementOf(const CaptureObservations& capture, const Solution& solution, int view) {
-  std::vector<double> errors;
-  const int step = std::max(1, capture.frame_count / kDisagreementFrames);
-  for (int n = 0; n < capture.frame_count; n += step) {
-    const CameraEstimate& camera = solution.estimate.CameraAt(n, view);
-    if (!camera.valid) continue;
-    const int left_out = solution.estimate.ValidViews(n).size() > 2 ? view : -1;
-    for (int j = 0; j < capture.joint_count(); ++j) {
-      if (!capture.Sees(n, view, j)) continue;
-      const RobustPoint others = TriangulateJoint(capture, n, j, solution.scales, solution.estimate, left_out);
-      if (!others.point.allFinite()) continue;
-      const double error =
-          DistanceInFront(solution.estimate.InCamera(n, view, others.point), camera.Focal(), capture.At(n, view, j));
-      if (std::isfinite(error)) errors.push_back(error);
-    }
-  }
-  return Median(std::move(errors));
-}
-
-namespace {
-
-/// Shifts views of a clip in time, always the one that gains most, until all fit. Adds to `offsets` (V) and returns
-/// whether any view was shifted.
-bool AlignClip(CaptureObservations& capture, const Solution& solution, int clip, std::vector<int>& offsets) {
+/// Shifts views of a clip in time, always the one that gains most, until all fit. Returns whether any view was shifted.
+bool AlignClip(CaptureObservations& capture, const Solution& solution, int clip,
+               std::vector<ViewCorrection>& corrections) {
   // Of two views either could be shifted; we take the second.
   std::vector<int> views = solution.estimate.ValidViews(0);
   if (views.size() == 2) views.erase(views.begin());
@@ -91,7 +38,7 @@ bool AlignClip(CaptureObservations& capture, const Solution& solution, int clip,
     OffsetEstimate best;
     int best_view = -1;
     for (const int v : views) {
-      const bool was_moved = offsets[static_cast<std::size_t>(v)] != 0;
+      const bool was_moved = corrections[static_cast<std::size_t>(v)].offset_frames != 0;
       const OffsetEstimate found = EstimateOffset(capture, solution, clip, v, was_moved);
       if (found.gain <= best.gain) continue;
       best = found;
@@ -99,18 +46,17 @@ bool AlignClip(CaptureObservations& capture, const Solution& solution, int clip,
     }
     if (best_view < 0) break;
     ShiftView(capture, clip, best_view, best.frames);
-    offsets[static_cast<std::size_t>(best_view)] += best.frames;
+    corrections[static_cast<std::size_t>(best_view)].offset_frames += best.frames;
     moved = true;
   }
   return moved;
 }
 
-void AlignCameras(CaptureObservations& capture, const Calibrate& calibrate, Solution& solution,
-                  std::vector<std::vector<int>>& offsets) {
+void AlignCameras(CaptureObservations& capture, const Calibrate& calibrate, Solution& solution, CameraCheck& check) {
   for (int round = 0; round < kOffsetRounds; ++round) {
     bool moved = false;
     for (std::size_t clip = 0; clip < capture.clips.size(); ++clip) {
-      moved = AlignClip(capture, solution, static_cast<int>(clip), offsets[clip]) || moved;
+      moved = AlignClip(capture, solution, static_cast<int>(clip), check.corrections[clip]) || moved;
     }
     if (!moved) return;
     solution = calibrate(capture);
@@ -118,56 +64,206 @@ void AlignCameras(CaptureObservations& capture, const Calibrate& calibrate, Solu
   }
 }
 
-/// The view without which the others agree, `solution` becoming theirs; -1 where there is none.
-int FindStranger(const CaptureObservations& capture, const Calibrate& calibrate, Solution& solution) {
-  double worst = 0.0;
-  std::vector<int> used;
-  for (int v = 0; v < capture.view_count(); ++v) {
-    const double disagreement = DisagreementOf(capture, solution, v);
-    if (!std::isfinite(disagreement)) continue;
-    used.push_back(v);
-    worst = std::max(worst, disagreement);
-  }
-  if (used.size() < 3 || worst < kSuspectDisagreement) return -1;
-  double best = std::min(kAgreement, kAgreementGain * MedianError(capture, solution));
-  int stranger = -1;
-  Solution found;
-  for (const int v : used) {
-    CaptureObservations without = capture;
-    DropView(without, v);
-    if (static_cast<int>(FramesWithStart(without).size()) < kMinFrames) continue;
-    Solution candidate = calibrate(without);
-    if (!candidate.calibration.IsUsable()) continue;
-    const double error = MedianError(without, candidate);
-    if (!(error < best)) continue;
-    best = error;
-    stranger = v;
-    found = std::move(candidate);
-  }
-  if (stranger >= 0) solution = std::move(found);
-  return stranger;
-}
-
 /// Shifts all views of a clip by the same number of frames so that most of them keep their own time.
-void KeepMajority(CaptureObservations& capture, const std::vector<bool>& dropped,
-                  std::vector<std::vector<int>>& offsets) {
-  for (std::size_t clip = 0; clip < offsets.size(); ++clip) {
+void KeepMajority(CaptureObservations& capture, CameraCheck& check) {
+  for (std::size_t clip = 0; clip < capture.clips.size(); ++clip) {
+    std::vector<ViewCorrection>& corrections = check.corrections[clip];
     std::vector<int> used;
-    for (std::size_t v = 0; v < dropped.size(); ++v) {
-      if (!dropped[v]) used.push_back(offsets[clip][v]);
+    for (std::size_t v = 0; v < corrections.size(); ++v) {
+      if (!check.dropped[v]) used.push_back(corrections[v].offset_frames);
     }
     int most = 0;
     for (const int offset : used) {
       if (std::ranges::count(used, offset) > std::ranges::count(used, most)) most = offset;
     }
-    for (std::size_t v = 0; most != 0 && v < dropped.size(); ++v) {
+    for (std::size_t v = 0; most != 0 && v < corrections.size(); ++v) {
       ShiftView(capture, static_cast<int>(clip), static_cast<int>(v), -most);
-      offsets[clip][v] -= most;
+      corrections[v].offset_frames -= most;
     }
   }
 }
 
+/// Views that agree with each other, and the solution from them alone.
+struct Consensus {
+  std::vector<int> views;
+  CaptureObservations capture;  ///< what they saw; nothing from the others
+  Solution solution;
+  double error = 0.0;           ///< MedianError()
+  bool is_as_recorded = false;  ///< found from the views as they were recorded, before any was shifted
+};
+
+/// The solution from some views; nothing where they do not agree.
+std::optional<Consensus> Agree(const CaptureObservations& capture, const Calibrate& calibrate,
+                               const std::vector<int>& views) {
+  Consensus consensus;
+  consensus.views = views;
+  consensus.capture = capture;
+  for (int v = 0; v < capture.view_count(); ++v) {
+    if (std::ranges::find(views, v) == views.end()) DropView(consensus.capture, v);
+  }
+  if (static_cast<int>(FramesWithStart(consensus.capture).size()) < kMinFrames) return std::nullopt;
+  consensus.solution = calibrate(consensus.capture);
+  if (!consensus.solution.calibration.IsUsable()) return std::nullopt;
+  consensus.error = MedianError(consensus.capture, consensus.solution);
+  if (!(consensus.error < kAgreement)) return std::nullopt;
+  const Plausibility plausibility = MeasurePlausibility(consensus.capture, consensus.solution);
+  if (!Implausible(plausibility).empty() || !Doubtful(plausibility).empty()) return std::nullopt;
+  return consensus;
+}
+
+class Examination {
+ public:
+  Examination(const CaptureObservations& original, const Calibrate& calibrate, CaptureObservations& capture,
+              Solution& solution, CameraCheck& check)
+      : original_(original), calibrate_(calibrate), capture_(capture), solution_(solution), check_(check) {}
+
+  /// Corrects or drops views that do not fit; whether anything was changed.
+  bool Run();
+
+ private:
+  [[nodiscard]] std::optional<Consensus> FindConsensus(const std::vector<ViewSigns>& signs) const;
+  [[nodiscard]] std::optional<Consensus> ConsensusWithout(const std::vector<ViewSigns>& signs) const;
+  [[nodiscard]] std::optional<Consensus> ConsensusOfPairs(const std::vector<ViewSigns>& signs) const;
+  /// How many of the other views fit the motion that the consensus shows, as they are.
+  [[nodiscard]] int CountFollowers(const Consensus& consensus, const std::vector<ViewSigns>& signs) const;
+  [[nodiscard]] ViewExamination Examine(const Consensus& consensus, int clip, int view) const;
+  void Correct(const Consensus& consensus, int view);
+
+  const CaptureObservations& original_;
+  const Calibrate& calibrate_;
+  CaptureObservations& capture_;
+  Solution& solution_;
+  CameraCheck& check_;
+};
+
+ViewExamination Examination::Examine(const Consensus& consensus, int clip, int view) const {
+  // The view as it was before it was shifted against a solution that it took part in.
+  CaptureObservations with_view = consensus.capture;
+  CopyView(original_, view, with_view);
+  const KnownMotion motion(consensus.capture, consensus.solution, clip);
+  std::vector<double> focals;
+  for (const int v : consensus.views) {
+    const int first = consensus.capture.clips[static_cast<std::size_t>(clip)].first;
+    focals.push_back(consensus.solution.estimate.CameraAt(first, v).log_focal);
+  }
+  return ExamineView(with_view, clip, view, motion, Median(std::move(focals)),
+                     consensus.solution.scales.observation.Typical());
+}
+
+std::optional<Consensus> Examination::ConsensusWithout(const std::vector<ViewSigns>& signs) const {
+  std::optional<Consensus> best;
+  const double with_all = MedianError(capture_, solution_);
+  for (int v = 0; v < capture_.view_count(); ++v) {
+    if (!signs[static_cast<std::size_t>(v)].known) continue;
+    std::vector<int> views;
+    for (int w = 0; w < capture_.view_count(); ++w) {
+      if (w != v && signs[static_cast<std::size_t>(w)].known) views.push_back(w);
+    }
+    if (views.size() < 2) continue;
+    std::optional<Consensus> candidate = Agree(capture_, calibrate_, views);
+    if (!candidate || candidate->error > kAgreementGain * with_all) continue;
+    if (AnyAlarm(MeasureSigns(candidate->capture, candidate->solution))) continue;
+    if (!best || candidate->error < best->error) best = std::move(candidate);
+  }
+  return best;
+}
+
+int Examination::CountFollowers(const Consensus& consensus, const std::vector<ViewSigns>& signs) const {
+  int followers = 0;
+  for (int v = 0; v < capture_.view_count(); ++v) {
+    if (!signs[static_cast<std::size_t>(v)].known || std::ranges::find(consensus.views, v) != consensus.views.end())
+      continue;
+    const ViewExamination found = Examine(consensus, 0, v);
+    followers += found.fits && found.reading.IsIdentity() && found.bad.empty() ? 1 : 0;
+  }
+  return followers;
+}
+
+std::optional<Consensus> Examination::ConsensusOfPairs(const std::vector<ViewSigns>& signs) const {
+  std::optional<Consensus> best;
+  int most = -1;
+  std::size_t tried = 0;
+  for (int v = 0; v < capture_.view_count(); ++v) {
+    for (int w = v + 1; w < capture_.view_count(); ++w) {
+      if (!signs[static_cast<std::size_t>(v)].known || !signs[static_cast<std::size_t>(w)].known) continue;
+      if (tried++ == kMaxPairs) return best;
+      std::optional<Consensus> candidate = Agree(original_, calibrate_, {v, w});
+      if (!candidate || AnyAlarm(MeasureSigns(candidate->capture, candidate->solution))) continue;
+      const int followers = CountFollowers(*candidate, signs);
+      if (followers < most || (followers == most && candidate->error >= best->error)) continue;
+      most = followers;
+      best = std::move(candidate);
+      best->is_as_recorded = true;
+    }
+  }
+  return best;
+}
+
+std::optional<Consensus> Examination::FindConsensus(const std::vector<ViewSigns>& signs) const {
+  const auto known = std::ranges::count_if(signs, &ViewSigns::known);
+  if (known < 3) return std::nullopt;
+  std::optional<Consensus> consensus = ConsensusWithout(signs);
+  if (!consensus && known > 3) consensus = ConsensusOfPairs(signs);
+  return consensus;
+}
+
+void Examination::Correct(const Consensus& consensus, int view) {
+  CopyView(original_, view, capture_);
+  int clips_that_fit = 0;
+  std::string why = "does not show the same person, or not at the same time";
+  for (int clip = 0; clip < static_cast<int>(capture_.clips.size()); ++clip) {
+    ViewExamination found = Examine(consensus, clip, view);
+    ViewCorrection& correction = check_.At(clip, view);
+    correction = {};
+    const int frames = capture_.clips[static_cast<std::size_t>(clip)].count;
+    if (found.fits && found.reading.time.rate < 0.0) {
+      // Another take of the same motion cannot be told from a recording that runs backwards; it is no evidence.
+      found.fits = false;
+      why = "runs backwards";
+    }
+    if (found.fits) {
+      ++clips_that_fit;
+      correction.reading = found.reading;
+      correction.bad = found.bad;
+    } else {
+      correction.bad = {{0, frames}};
+    }
+    ApplyCorrection(correction, clip, view, capture_);
+  }
+  if (clips_that_fit > 0) return;
+  DropView(capture_, view);
+  check_.dropped[static_cast<std::size_t>(view)] = true;
+  check_.why_dropped[static_cast<std::size_t>(view)] = why;
+  for (std::vector<ViewCorrection>& corrections : check_.corrections) corrections[static_cast<std::size_t>(view)] = {};
+}
+
+bool Examination::Run() {
+  const std::vector<ViewSigns> signs = MeasureSigns(capture_, solution_);
+  if (!AnyAlarm(signs)) return false;
+  const std::optional<Consensus> consensus = FindConsensus(signs);
+  if (!consensus) return false;
+  for (const int v : consensus->views) {
+    if (!consensus->is_as_recorded) continue;
+    CopyView(original_, v, capture_);
+    for (std::vector<ViewCorrection>& corrections : check_.corrections) corrections[static_cast<std::size_t>(v)] = {};
+  }
+  for (int v = 0; v < capture_.view_count(); ++v) {
+    const bool agrees = std::ranges::find(consensus->views, v) != consensus->views.end();
+    if (!agrees && signs[static_cast<std::size_t>(v)].known) Correct(*consensus, v);
+  }
+  solution_ = calibrate_(capture_);
+  return true;
+}
+
 }  // namespace
+
+void ShiftView(CaptureObservations& capture, int clip, int view, int frames) {
+  ViewCorrection shift;
+  shift.offset_frames = frames;
+  ApplyCorrection(shift, clip, view, capture);
+}
+
+void DropView(CaptureObservations& capture, int view) { DropFrames(view, 0, capture.frame_count, capture); }
 
 double MedianError(const CaptureObservations& capture, const Solution& solution) {
   std::vector<double> errors;
@@ -177,19 +273,16 @@ double MedianError(const CaptureObservations& capture, const Solution& solution)
 }
 
 CameraCheck CheckCameras(CaptureObservations& capture, const Calibrate& calibrate, Solution& solution) {
-  CameraCheck check;
-  check.offsets.assign(capture.clips.size(), std::vector<int>(capture.cameras.size(), 0));
-  check.dropped.assign(capture.cameras.size(), false);
-  for (;;) {
-    if (capture.static_cameras) AlignCameras(capture, calibrate, solution, check.offsets);
+  CameraCheck check(capture);
+  const CaptureObservations original = capture;
+  for (int round = 0; round < kExaminationRounds; ++round) {
+    if (capture.static_cameras) AlignCameras(capture, calibrate, solution, check);
     if (!solution.calibration.IsUsable()) return check;
-    const int stranger = FindStranger(capture, calibrate, solution);
-    if (stranger < 0) break;
-    DropView(capture, stranger);
-    check.dropped[static_cast<std::size_t>(stranger)] = true;
-    for (std::vector<int>& offsets : check.offsets) offsets[static_cast<std::size_t>(stranger)] = 0;
+    const bool changed = Examination(original, calibrate, capture, solution, check).Run();
+    if (!solution.calibration.IsUsable()) return check;
+    if (!changed) break;
   }
-  KeepMajority(capture, check.dropped, check.offsets);
+  KeepMajority(capture, check);
   return check;
 }
 

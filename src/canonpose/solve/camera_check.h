@@ -1,4 +1,5 @@
-// Cameras that do not fit the others: those whose clock is off, and those that show somebody else.
+// Cameras that do not fit the others: what is wrong with them is found, corrected where that is certain, and left out
+// otherwise.
 #pragma once
 
 #include <functional>
@@ -7,6 +8,7 @@
 
 #include "canonpose/solve/observations.h"
 #include "canonpose/solve/solution.h"
+#include "canonpose/solve/view_correction.h"
 
 namespace canonpose {
 
@@ -15,8 +17,20 @@ using Calibrate = std::function<Solution(const CaptureObservations&)>;
 
 /// What was wrong with the cameras of a capture and has been corrected in its observations.
 struct CameraCheck {
-  std::vector<std::vector<int>> offsets;  ///< (clips, V) frames by which views were shifted; see ShiftView()
-  std::vector<bool> dropped;              ///< (V) whether the view shows something else and was removed
+  std::vector<std::vector<ViewCorrection>> corrections;  ///< (clips, V)
+  std::vector<bool> dropped;                             ///< (V) whether the view was left out as a whole
+  std::vector<std::string> why_dropped;                  ///< (V) in words that follow the camera's name
+
+  explicit CameraCheck(const CaptureObservations& capture)
+      : corrections(capture.clips.size(), std::vector<ViewCorrection>(capture.cameras.size())),
+        dropped(capture.cameras.size(), false),
+        why_dropped(capture.cameras.size()) {}
+  [[nodiscard]] ViewCorrection& At(int clip, int view) {
+    return corrections[static_cast<std::size_t>(clip)][static_cast<std::size_t>(view)];
+  }
+  [[nodiscard]] const ViewCorrection& At(int clip, int view) const {
+    return const_cast<CameraCheck*>(this)->At(clip, view);
+  }
 };
 
 /// Shifts the observations of a view in one clip by `frames`: what it saw in frame n, it then sees in frame n + frames.
@@ -26,15 +40,11 @@ void ShiftView(CaptureObservations& capture, int clip, int view, int frames);
 /// Removes everything that a view saw.
 void DropView(CaptureObservations& capture, int view);
 
-/// The median distance, in body units, between a view's keypoints and the projections of the joints that the other
-/// views triangulate, over up to a few hundred frames; with two views, of the joints that both triangulate. NaN where
-/// there is nothing to compare. Needs the cameras.
-double DisagreementOf(const CaptureObservations& capture, const Solution& solution, int view);
-
-/// Shifts the views of static cameras in time until they fit each other, and drops views that show something else, both
-/// in `capture`. Calibrates again after every change: `solution` is the calibration of `capture` before and after. Of
-/// two cameras neither is dropped, since nothing says which one is wrong. Stops at the first calibration that fails;
-/// `solution` then says so.
+/// Looks for views that do not fit the others and corrects `capture`: views of static cameras are shifted in time;
+/// images that are mirrored, exchange left and right, or run at another rate are read as they should be; stretches of
+/// time that do not fit are left out, and so are views of which nothing fits. Calibrates again after every change:
+/// `solution` is the calibration of `capture` before and after. Of two cameras neither is left out, since nothing says
+/// which one is wrong. Stops at the first calibration that fails; `solution` then says so.
 CameraCheck CheckCameras(CaptureObservations& capture, const Calibrate& calibrate, Solution& solution);
 
 /// The median distance of all keypoints from the projected joints of a solution, in body units.

@@ -174,6 +174,7 @@ std::string SolveReport::ToText() const {
     text += fmt::format("{} ({} cameras)\n", capture.name, capture.static_cameras ? "static" : "moving");
     if (!capture.failure.empty()) {
       text += fmt::format("  not solved: {}\n", capture.failure);
+      for (const CameraFinding& finding : capture.findings) text += fmt::format("  found: {}\n", finding.text);
       continue;
     }
     text += fmt::format("  frames      {} of {} solved; {} seen by fewer than two cameras\n", capture.frames_solved,
@@ -192,6 +193,7 @@ std::string SolveReport::ToText() const {
       text += fmt::format("  {:<11} {} frames {} than the others in clip {}\n", offset.camera, std::abs(offset.frames),
                           offset.frames < 0 ? "later" : "earlier", offset.clip + 1);
     }
+    for (const CameraFinding& finding : capture.findings) text += fmt::format("  found: {}\n", finding.text);
     text += fmt::format("  left-right swaps corrected: {}\n", capture.swaps_corrected);
     for (const std::string& warning : capture.warnings) text += fmt::format("  warning: {}\n", warning);
   }
@@ -234,6 +236,16 @@ std::string SolveReport::ToJson() const {
       for (const OffsetReport& offset : capture.offsets) {
         one["offsets"].push_back({{"clip", offset.clip}, {"camera", offset.camera}, {"frames", offset.frames}});
       }
+    }
+    one["findings"] = Json::array();
+    for (const CameraFinding& finding : capture.findings) {
+      one["findings"].push_back({{"camera", finding.camera},
+                                 {"clip", finding.clip},
+                                 {"kind", finding.kind},
+                                 {"first_frame", finding.first_frame},
+                                 {"frames", finding.frames},
+                                 {"corrected", finding.corrected},
+                                 {"text", finding.text}});
     }
     one["calibration"] = AdjustmentToJson(capture.calibration);
     one["windows"] = WindowsToJson(capture.windows);

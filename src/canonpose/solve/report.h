@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "canonpose/solve/adjustment.h"
+#include "canonpose/solve/findings.h"
 #include "canonpose/solve/observations.h"
 #include "canonpose/solve/solution.h"
 #include "canonpose/solve/windows.h"
@@ -45,6 +46,7 @@ struct CaptureReport {
   double mirror_sigma = 0.0;  ///< standard errors by which the solution explains the keypoints better than its mirror
   int swaps_corrected = 0;    ///< frames, summed over cameras, in which left and right were exchanged
   std::vector<OffsetReport> offsets;
+  std::vector<CameraFinding> findings;
   std::optional<AdjustmentSummary> calibration;  ///< of the cameras; empty where it was not tried
   std::optional<WindowsSummary> windows;         ///< of all frames; empty where they were not tried
   std::vector<std::string> warnings;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -27,7 +29,7 @@ namespace {
 /// A capture between the stages.
 struct CaptureWork {
   CaptureReport report;
-  CameraCheck check;
+  std::optional<CameraCheck> check;
   Solution solution;
   WindowsSummary windows;
 };
@@ -47,7 +49,10 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options, Capt
     return corrected.static_cameras ? CalibrateStatic(corrected, calibration) : CalibrateMoving(corrected, calibration);
   };
   work.solution = calibrate(capture);
-  if (work.solution.calibration.IsUsable()) work.check = CheckCameras(capture, calibrate, work.solution);
+  if (work.solution.calibration.IsUsable()) {
+    work.check = CheckCameras(capture, calibrate, work.solution);
+    work.report.findings = MakeFindings(capture, *work.check);
+  }
   work.report.calibration = work.solution.calibration;
   if (!work.solution.calibration.IsUsable()) {
     work.report.failure = fmt::format("the cameras could not be found: {}", work.solution.calibration.reason);
@@ -81,17 +86,20 @@ void PoolBones(const std::vector<CaptureObservations>& captures, std::vector<Cap
 void FinishReport(const CaptureObservations& capture, const SolveOptions& options, int swaps_corrected,
                   CaptureWork& work) {
   const Solution& solution = work.solution;
-  const CameraCheck& check = work.check;
+  const CameraCheck& check = *work.check;
   CaptureReport& report = work.report;
   report = MakeReport(capture, solution, work.windows, options.mirror);
   report.swaps_corrected = swaps_corrected;
   for (std::size_t v = 0; v < capture.cameras.size(); ++v) {
-    if (check.dropped[v]) report.cameras[v].why_not_used = "does not show the same person, or not at the same time";
+    if (check.dropped[v]) report.cameras[v].why_not_used = check.why_dropped[v];
     for (std::size_t clip = 0; clip < capture.clips.size(); ++clip) {
-      const int frames = check.offsets[clip][v];
+      const ViewCorrection& correction = check.corrections[clip][v];
+      const bool is_shifted = correction.reading.time.rate == 1.0;
+      const int frames = correction.offset_frames + (is_shifted ? static_cast<int>(correction.reading.time.offset) : 0);
       if (frames != 0) report.offsets.push_back({static_cast<int>(clip), capture.cameras[v].name, frames});
     }
   }
+  report.findings = MakeFindings(capture, check);
   const std::string doubt = Doubtful(MeasurePlausibility(capture, solution));
   if (!doubt.empty()) report.warnings.push_back(doubt);
   if (options.mirror == "auto" && std::abs(solution.mirror_sigma) < kDecisiveSigma) {
@@ -137,12 +145,15 @@ void SolveAllFrames(CaptureObservations& capture, const SolveOptions& options, C
   if (!HasFailed(work)) FinishReport(capture, options, swaps, work);
 }
 
-Camera CameraOf(const CaptureObservations& capture, const RigEstimate& estimate, int frame, int view) {
+Camera CameraOf(const CaptureObservations& capture, const RigEstimate& estimate, const ViewReading& reading, int frame,
+                int view) {
   const ObservedCamera& observed = capture.cameras[static_cast<std::size_t>(view)];
   const CameraEstimate& found = estimate.CameraAt(frame, view);
   Camera camera;
   const double focal_px = found.Focal() * observed.diagonal_px;
-  camera.K << focal_px, 0, 0.5 * observed.image_size_px[0], 0, focal_px, 0.5 * observed.image_size_px[1], 0, 0, 1;
+  const Eigen::Vector2d centre_px = 0.5 * Eigen::Vector2d(observed.image_size_px[0], observed.image_size_px[1]) +
+                                    observed.diagonal_px * reading.centre;
+  camera.K << focal_px, 0, centre_px.x(), 0, focal_px, centre_px.y(), 0, 0, 1;
   camera.camera_from_world_rotation = found.Rotation();
   camera.camera_from_world_translation = estimate.Translation(frame, view);
   return camera;
@@ -159,38 +170,72 @@ int NearestKnownFrame(const RigEstimate& estimate, const ClipRange& clip, int fr
 }
 
 void WriteCameras(const CaptureObservations& capture, const RigEstimate& estimate, const ClipRange& clip, int v,
-                  CameraView& view) {
+                  const ViewReading& reading, CameraView& view) {
   if (capture.static_cameras) {
-    if (estimate.CameraAt(0, v).valid) view.solved_calibration = {CameraOf(capture, estimate, 0, v)};
+    if (estimate.CameraAt(0, v).valid) view.solved_calibration = {CameraOf(capture, estimate, reading, 0, v)};
     return;
   }
   if (NearestKnownFrame(estimate, clip, clip.first, v) < 0) return;
   for (int n = clip.first; n < clip.first + clip.count; ++n) {
-    view.solved_calibration.push_back(CameraOf(capture, estimate, NearestKnownFrame(estimate, clip, n, v), v));
+    const int known = NearestKnownFrame(estimate, clip, n, v);
+    view.solved_calibration.push_back(CameraOf(capture, estimate, reading, known, v));
+  }
+}
+
+/// A joint in the frame of a camera at a time in frames of a clip, between frames by linear interpolation; NaN where it
+/// is not solved.
+Eigen::Vector3d InCameraAt(const RigEstimate& estimate, const ClipRange& clip, double time, int view, int joint) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  const auto before = static_cast<int>(std::floor(time));
+  const double share = time - before;
+  const auto at = [&](int t) -> Eigen::Vector3d {
+    if (t < 0 || t >= clip.count || !estimate.CameraAt(clip.first + t, view).valid)
+      return Eigen::Vector3d::Constant(kUnknown);
+    return estimate.InCamera(clip.first + t, view, joint);
+  };
+  if (share < 1e-9) return at(before);
+  return (1.0 - share) * at(before) + share * at(before + 1);
+}
+
+/// Keypoints as the correction reads them, so that the solved camera projects the solved poses to them.
+void CorrectKeypoints(const CaptureObservations& capture, const ViewReading& reading, CameraView& view) {
+  if (!reading.is_mirrored && !reading.sides_are_exchanged && reading.image_size_px[0] == 0) return;
+  const auto joints = static_cast<std::size_t>(capture.joint_count());
+  const CameraView recorded = view;
+  if (reading.image_size_px[0] > 0) view.image_size = reading.image_size_px;
+  for (std::size_t i = 0; i < view.confidence.size(); ++i) {
+    const std::size_t j = i % joints;
+    const std::size_t from =
+        reading.sides_are_exchanged ? i - j + static_cast<std::size_t>(capture.skeleton.mirror[j]) : i;
+    const float x = recorded.keypoints[2 * from];
+    view.keypoints[2 * i] = reading.is_mirrored ? static_cast<float>(view.image_size[0]) - x : x;
+    view.keypoints[2 * i + 1] = recorded.keypoints[2 * from + 1];
+    view.confidence[i] = recorded.confidence[from];
   }
 }
 
 void WriteView(const CaptureObservations& capture, const Solution& solution, const std::vector<float>& uncertainty,
-               const ClipRange& clip, int v, int offset_frames, CameraView& view) {
+               const ClipRange& clip, int v, const ViewCorrection& correction, CameraView& view) {
   const auto joints = static_cast<std::size_t>(capture.joint_count());
   const std::size_t values = static_cast<std::size_t>(clip.count) * joints;
   view.solved.assign(3 * values, std::nanf(""));
   view.solved_uncertainty.assign(values, std::nanf(""));
+  CorrectKeypoints(capture, correction.reading, view);
   for (int t = 0; t < clip.count; ++t) {
-    const int frame = clip.first + t + offset_frames;  // the dataset keeps the camera's own time
-    if (frame < clip.first || frame >= clip.first + clip.count) continue;
-    if (!solution.estimate.CameraAt(frame, v).valid) continue;
+    const double time = correction.TimeOf(t);  // the dataset keeps the camera's own time
+    if (!(time >= 0.0 && time <= clip.count - 1.0)) continue;
+    const auto nearest = static_cast<std::size_t>(clip.first + static_cast<int>(std::lround(time)));
     for (std::size_t j = 0; j < joints; ++j) {
-      const Eigen::Vector3d p = solution.estimate.InCamera(frame, v, static_cast<int>(j));
+      const Eigen::Vector3d p = InCameraAt(solution.estimate, clip, time, v, static_cast<int>(j));
       if (!p.cast<float>().allFinite()) continue;
       const std::size_t i = static_cast<std::size_t>(t) * joints + j;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         view.solved[3 * i + axis] = static_cast<float>(p[static_cast<Eigen::Index>(axis)]);
       }
-      view.solved_uncertainty[i] = uncertainty[static_cast<std::size_t>(frame) * joints + j];
+      view.solved_uncertainty[i] = uncertainty[nearest * joints + j];
     }
   }
-  WriteCameras(capture, solution.estimate, clip, v, view);
+  WriteCameras(capture, solution.estimate, clip, v, correction.reading, view);
 }
 
 void WriteSolution(const CaptureObservations& capture, const Solution& solution, const CameraCheck& check,
@@ -205,7 +250,7 @@ void WriteSolution(const CaptureObservations& capture, const Solution& solution,
     const ClipRange& clip = capture.clips[c];
     for (CameraView& view : dataset.sequences[clip.sequence].cameras) {
       const int v = capture.FindView(view.name);
-      WriteView(capture, solution, uncertainty, clip, v, check.offsets[c][static_cast<std::size_t>(v)], view);
+      WriteView(capture, solution, uncertainty, clip, v, check.At(static_cast<int>(c), v), view);
     }
   }
 }
@@ -267,7 +312,7 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
     progress.Update(done++, captures[c].name + ", all frames");
     if (!HasFailed(works[c])) SolveAllFrames(captures[c], options, works[c]);
     if (!HasFailed(works[c])) {
-      WriteSolution(captures[c], works[c].solution, works[c].check, dataset);
+      WriteSolution(captures[c], works[c].solution, *works[c].check, dataset);
     } else {
       WriteNothing(captures[c], dataset);
     }

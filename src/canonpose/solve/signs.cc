@@ -13,7 +13,7 @@ namespace {
 constexpr int kMeasuredFrames = 300;
 constexpr double kWindowSeconds = 0.5;
 constexpr int kMinWindowFrames = 5;
-constexpr double kOutlierScatters = 5.0;
+constexpr double kOutlyingScatters = 5.0;
 // Measured by experiments/damaged on good captures and on captures that were damaged.
 constexpr double kAlarmingDisagreement = 0.03;
 constexpr double kAlarmingWindow = 0.05;
@@ -38,7 +38,7 @@ std::vector<double> FrameErrors(const CaptureObservations& capture, const Soluti
     if (!std::isfinite(error)) continue;
     errors.push_back(error);
     const double usual = solution.scales.observation.Scatter(j, capture.confidence[capture.Index(frame, view, j)]);
-    if (error_of(j, -1) > kOutlierScatters * usual) ++outliers;
+    if (error_of(j, -1) > kOutlyingScatters * usual) ++outliers;
   }
   return errors;
 }

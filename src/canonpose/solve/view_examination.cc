@@ -33,8 +33,8 @@ constexpr int kSearchFrames = 50;
 constexpr int kMinOverlap = 25;
 /// Shorter stretches are not judged.
 constexpr double kMinStretchSeconds = 0.4;
-constexpr double kWindowSeconds = 1.2;
-constexpr int kMinWindowFrames = 12;
+constexpr double kFitWindowSeconds = 1.2;
+constexpr int kMinFitFrames = 12;
 
 /// A view's camera under one reading, and how well each of its frames fits.
 struct ViewFit {
@@ -147,7 +147,7 @@ void Examiner::Rate(ViewFit& fit) const {
 }
 
 Resection Examiner::BestCameraOfWindows(const std::vector<int>& frames, const ViewReading& reading) const {
-  const auto length = static_cast<std::size_t>(std::max<double>(kMinWindowFrames, kWindowSeconds * clip_.fps));
+  const auto length = static_cast<std::size_t>(std::max<double>(kMinFitFrames, kFitWindowSeconds * clip_.fps));
   Resection best;
   std::size_t most = 0;
   for (std::size_t begin = 0; begin < frames.size(); begin += std::max<std::size_t>(1, length / 2)) {
@@ -165,7 +165,7 @@ Resection Examiner::BestCameraOfWindows(const std::vector<int>& frames, const Vi
         const double limit = (round == 0 ? 2.0 : 1.0) * kFitsInFrame;
         if (FrameError(t, reading.time.At(t), reading, camera) < limit) inliers.push_back(t);
       }
-      if (inliers.size() < static_cast<std::size_t>(kMinWindowFrames)) break;
+      if (inliers.size() < static_cast<std::size_t>(kMinFitFrames)) break;
       Resection again = FitCamera(inliers, reading, true);
       if (!again.valid) break;
       camera = std::move(again);
@@ -183,7 +183,7 @@ ViewFit Examiner::Fit(const ViewReading& reading) const {
   fit.reading = reading;
   fit.frame_errors.assign(static_cast<std::size_t>(clip_.count), kUnknown);
   const std::vector<int> frames = ComparableFrames(reading);
-  if (frames.size() < static_cast<std::size_t>(kMinWindowFrames)) return fit;
+  if (frames.size() < static_cast<std::size_t>(kMinFitFrames)) return fit;
   if (capture_.static_cameras) {
     fit.camera = BestCameraOfWindows(frames, reading);
     if (!fit.camera.valid) return fit;
@@ -308,7 +308,7 @@ void Examiner::NameFault(const ViewFit& fit, double limit, BadStretch& stretch) 
   for (int t = stretch.first; t < stretch.first + stretch.count; ++t) {
     if (std::isfinite(fit.frame_errors[static_cast<std::size_t>(t)])) frames.push_back(t);
   }
-  if (frames.size() < static_cast<std::size_t>(kMinWindowFrames)) return;
+  if (frames.size() < static_cast<std::size_t>(kMinFitFrames)) return;
   const auto median_error = [&](const Resection& camera, double jump) {
     std::vector<double> errors;
     for (const int t : frames) {

@@ -51,7 +51,7 @@ struct EvaluationReport {
   std::optional<CanonicalReport> canonical;                   ///< if requested
 };
 
-/// The keys of the contract (README.md), and also `protocol_name`, `headline` (the key of the main figure),
+/// The main figures (n_mpjpe_mm, p_mpjpe_mm, pck150_percent, auc_percent, cps), and also `protocol`, `protocol_name`, `headline` (the key of the main figure),
 /// `reference`, `reference_reprojection_error_px` {median, mean} if the reference was triangulated, `truth_kind` if
 /// known, `warnings`, `left_out_sequences`, `missing_predictions`, `unusable_truths`, `mirrored_percent`,
 /// `depth_extent_ratio`, `left_out_joints`, for solved cameras `cameras` {relative_rotation_deg, centred_rotation_deg,

@@ -115,7 +115,7 @@ TEST(Program, ImportsBenchmarks) {
     arguments.insert(arguments.end(), {"-o", out});
     const Outcome outcome = Execute(arguments);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
-    EXPECT_THAT(outcome.errors, HasSubstr("a sequence"));
+    EXPECT_THAT(outcome.errors, HasSubstr("per sequence"));
   }
   EXPECT_THAT(Execute({"info", folder / "3dhp-test.h5"}).output,
               AllOf(HasSubstr("made from    3dhp-test"), HasSubstr("univ_annot3"), HasSubstr("On The Floor")));

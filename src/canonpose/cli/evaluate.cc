@@ -60,8 +60,7 @@ EvaluationReport EvaluateArchivePair(const EvaluateArguments& arguments, FrameEr
     ThrowInvalidArgument("--predictions and --truth go together");
   if (!arguments.paths.empty()) ThrowInvalidArgument("give either --predictions and --truth, or a model and data");
   if (arguments.triangulate) ThrowInvalidArgument("--triangulate is for datasets");
-  if (arguments.canonical)
-    ThrowInvalidArgument("--canonical is for a model: poses alone have no canonical form");
+  if (arguments.canonical) ThrowInvalidArgument("--canonical is for a model: poses alone have no canonical form");
   const Protocol& protocol = FindProtocol(arguments.protocol);
   if (protocol.name != kAllFrames) {
     ThrowInvalidArgument(
@@ -137,10 +136,12 @@ void AddEvaluateCommand(CLI::App& app) {
   command->add_flag("--list-protocols", arguments->list_protocols, "Print all protocols in words");
   command->add_flag("--triangulate", arguments->triangulate,
                     "Evaluate the triangulation from all calibrated cameras of datasets with truth");
-  command->add_flag("--canonical", arguments->canonical,
-                    "Also report how much a model's canonical poses differ between the views of a frame, and between frames");
-  command->add_option("--frame-errors", arguments->frame_errors,
-                      "Write the errors of every single pose to this file: .csv, or .npz, which also has those of each joint");
+  command->add_flag(
+      "--canonical", arguments->canonical,
+      "Also report how much a model's canonical poses differ between the views of a frame, and between frames");
+  command->add_option(
+      "--frame-errors", arguments->frame_errors,
+      "Write the errors of every single pose to this file: .csv, or .npz, which also has those of each joint");
   command->add_option("--frames", arguments->frames, "Evaluate frames A-B of each sequence only, counted from 0");
   command->add_option("--exclude-joints", arguments->left_out, "Leave these joints out: A,B")
       ->delimiter(',')

@@ -149,13 +149,14 @@ void AddLiftCommand(CLI::App& app) {
   command->add_option("--camera", arguments->camera, "Which camera, if the input holds several");
   command->add_option("--sequence", arguments->sequence, "Which sequence, if the dataset holds several");
   command->add_option("--frames", arguments->frames, "Frames A-B of the dataset only, counted from 0");
-  command->add_option("--height", arguments->height_m,
-                      "The person's height in metres, for output in millimetres");
-  command->add_option("--smooth", arguments->smooth_frames,
-                      "Smooth a video's poses over this many frames, such as 9 at 30 frames per second (default: none)");
+  command->add_option("--height", arguments->height_m, "The person's height in metres, for output in millimetres");
+  command->add_option(
+      "--smooth", arguments->smooth_frames,
+      "Smooth a video's poses over this many frames, such as 9 at 30 frames per second (default: none)");
   command->add_option("--person", arguments->person, "Whom to follow in a detector's files: 1 is the most prominent")
       ->check(CLI::PositiveNumber);
-  command->add_option("--format", arguments->format, "Format of a detector's files (default: recognised by their content)");
+  command->add_option("--format", arguments->format,
+                      "Format of a detector's files (default: recognised by their content)");
   command->add_option("--layout", arguments->layout,
                       "Layout of a detector's files (default: that of the training data)");
   command->add_option("--image-size", arguments->image_size,

@@ -93,7 +93,8 @@ class VisibilityCheck {
   /// Throws Error(kComputation) where nothing is seen at all.
   void Report() const {
     constexpr const char* kAdvice =
-        "for people who move far use --rig ptz or handheld, which follow them; cameras of a rig file must look at the origin";
+        "for people who move far use --rig ptz or handheld, which follow them; cameras of a rig file must look at the "
+        "origin";
     if (!any_) ThrowComputation("no frame of any clip is seen by two cameras; {}", kAdvice);
     if (hidden_ > 0) {
       LogWarning("{} of {} clips are seen by two cameras in less than half of their frames; {}", hidden_, clips_,
@@ -180,7 +181,8 @@ void AddMotionOptions(CLI::App& command, SimulateArguments& arguments) {
                   "What they do in turn: gait, run, jump, squat, sit, reach, throw, gesture, dance, ski (default: all "
                   "but ski)")
       ->delimiter(',');
-  command.add_option("--fps", options.fps, "Frames per second (default 50, or a file's own rate, which can only be reduced)");
+  command.add_option("--fps", options.fps,
+                     "Frames per second (default 50, or a file's own rate, which can only be reduced)");
 }
 
 void AddRigOptions(CLI::App& command, RigOptions& rig) {
@@ -188,17 +190,21 @@ void AddRigOptions(CLI::App& command, RigOptions& rig) {
                      "studio: 4 static cameras; ring: 8 to 14 all around; ptz: 6 that pan, tilt and zoom from afar; "
                      "handheld: 4; or a JSON file (default studio)");
   command.add_option("--cameras", rig.cameras, "Number of cameras (default: the rig's own)");
-  command.add_option("--spread", rig.spread, "How cameras stand around the person: even, opposite, quarter or clustered (default even)");
+  command.add_option("--spread", rig.spread,
+                     "How cameras stand around the person: even, opposite, quarter or clustered (default even)");
   command.add_option("--distance", rig.distance_m, "Distance from the person in metres (default: the rig's own)");
-  command.add_option("--distortion", rig.distortion, "Distortion of the lenses: 0 none, 1 that of a usual sports camera (default 0)");
+  command.add_option("--distortion", rig.distortion,
+                     "Distortion of the lenses: 0 none, 1 that of a usual sports camera (default 0)");
 }
 
 void AddDetectorOptions(CLI::App& command, SimulateArguments& arguments) {
   DetectorOptions& detector = arguments.options.detector;
-  command.add_option("--noise", detector.noise, "Scale of all the detector's errors: 0 exact, 1 a modern detector (default 1)");
+  command.add_option("--noise", detector.noise,
+                     "Scale of all the detector's errors: 0 exact, 1 a modern detector (default 1)");
   command.add_option("--joint-offset", detector.joint_offset,
                      "Systematic offset of the detector's joints: 0 none, 1 usual (default 0)");
-  command.add_option("--sync-jitter", detector.sync_jitter, "Synchronisation error of the cameras, in frames (default 0)");
+  command.add_option("--sync-jitter", detector.sync_jitter,
+                     "Synchronisation error of the cameras, in frames (default 0)");
   const auto part = [&](const char* option, double& strength, const char* what) {
     command.add_option(option, strength, fmt::format("{}: 1 usual, 0 none (default 1)", what));
   };

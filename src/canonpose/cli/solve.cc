@@ -58,8 +58,9 @@ void AddSolveCommand(CLI::App& app) {
       ->check(CLI::IsMember({"auto", "starter", "method", "factorisation"}))
       ->capture_default_str();
   command
-      ->add_option("--mirror", arguments->options.mirror,
-                   "Which way round depth is. auto: decide by perspective; keep: as in the start's poses; flip: mirrored")
+      ->add_option(
+          "--mirror", arguments->options.mirror,
+          "Which way round depth is. auto: decide by perspective; keep: as in the start's poses; flip: mirrored")
       ->capture_default_str();
   command->add_option("--frames", arguments->frames, "Solve frames A-B of each sequence only, counted from 0");
   command->add_option("--json", arguments->json, "Also write the report to this file, as JSON");

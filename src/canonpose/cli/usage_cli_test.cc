@@ -61,15 +61,14 @@ TEST(Usage, AnUnknownCommandIsNamedWithTheNearest) {
   ExpectMistake({"imprt"}, "error: there is no command \"imprt\"; did you mean import? (canonpose help lists them)");
   ExpectMistake({"evaluate-all"}, AllOf(HasSubstr("\"evaluate-all\""), HasSubstr("did you mean evaluate?")));
   ExpectMistake({"help", "trian"}, AllOf(HasSubstr("\"trian\""), HasSubstr("did you mean train?")));
-  ExpectMistake({"fly", "--high"},
-                AllOf(HasSubstr("\"fly\""), HasSubstr("the commands are import, simulate, train"), Not(HasSubstr("mean"))));
+  ExpectMistake({"fly", "--high"}, AllOf(HasSubstr("\"fly\""), HasSubstr("the commands are import, simulate, train"),
+                                         Not(HasSubstr("mean"))));
   ExpectMistake({}, AllOf(HasSubstr("a command is missing"), HasSubstr("info")));
 }
 
 TEST(Usage, AnUnknownOptionIsNamedWithTheNearest) {
-  ExpectMistake(
-      {"train", "data.h5", "--ouput", "run"},
-      "error: train has no option --ouput; did you mean --output? (see canonpose help train)");
+  ExpectMistake({"train", "data.h5", "--ouput", "run"},
+                "error: train has no option --ouput; did you mean --output? (see canonpose help train)");
   ExpectMistake({"info", "data.h5", "--jsn=1"},
                 AllOf(HasSubstr("no option --jsn;"), HasSubstr("did you mean --json?")));
   ExpectMistake({"info", "data.h5", "--wholly-unlike"}, AllOf(HasSubstr("--wholly-unlike ("), Not(HasSubstr("mean"))));

@@ -147,8 +147,7 @@ bool UpdateMirrorDecision(const PerspectiveSlope& slope, MirrorHandling handling
                   slope.Describe(), slope.standard_errors(), PerspectiveSlope::kSure);
     LogWarning(
         "mirror: undecided, the 3D poses may be depth-reversed (front and back exchanged): {}, or look at the poses "
-        "and "
-        "train again with `mirror=keep` or `mirror=flip`",
+        "and train again with `mirror=keep` or `mirror=flip`",
         reason);
     return false;
   }

@@ -28,7 +28,8 @@ StartPoses LiftAll(const PoseLifter& lifter, const Dataset& dataset, const std::
   return start;
 }
 
-/// Poses (T, J, 3) with joints made from others; NaN where there is nothing to make one of. Centred on `root`.
+/// Poses (T, J, 3) whose joints are made from others; NaN if the joints that one is made from are missing. Centred on
+/// `root`.
 std::vector<float> MapPoses(const LayoutMapping& mapping, const std::vector<float>& poses, int root) {
   const std::size_t source_joints = mapping.source.joints.size();
   const std::size_t joints = mapping.joints.size();
@@ -51,7 +52,7 @@ std::vector<float> MapPoses(const LayoutMapping& mapping, const std::vector<floa
   return mapped;
 }
 
-/// The same view with a pose for the starter: its joints, by name.
+/// The same view with the joints of the starter, found by name.
 CameraView MapView(const LayoutMapping& mapping, const CameraView& view) {
   const std::size_t source_joints = mapping.source.joints.size();
   const std::size_t joints = mapping.joints.size();

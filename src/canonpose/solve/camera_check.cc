@@ -126,7 +126,8 @@ class Examination {
   [[nodiscard]] std::optional<Consensus> ConsensusOfPairs(const std::vector<ViewSigns>& signs) const;
   /// How many of the other views fit the motion that the consensus shows, as they are.
   [[nodiscard]] int CountFollowers(const Consensus& consensus, const std::vector<ViewSigns>& signs) const;
-  [[nodiscard]] ViewExamination Examine(const Consensus& consensus, int clip, int view) const;
+  /// The median log focal length of the views that agree.
+  [[nodiscard]] double FocalOf(const Consensus& consensus, int clip) const;
   void Correct(const Consensus& consensus, int view);
 
   const CaptureObservations& original_;
@@ -136,18 +137,13 @@ class Examination {
   CameraCheck& check_;
 };
 
-ViewExamination Examination::Examine(const Consensus& consensus, int clip, int view) const {
-  // The view as it was before it was shifted against a solution that it took part in.
-  CaptureObservations with_view = consensus.capture;
-  CopyView(original_, view, with_view);
-  const KnownMotion motion(consensus.capture, consensus.solution, clip);
+double Examination::FocalOf(const Consensus& consensus, int clip) const {
   std::vector<double> focals;
   for (const int v : consensus.views) {
     const int first = consensus.capture.clips[static_cast<std::size_t>(clip)].first;
     focals.push_back(consensus.solution.estimate.CameraAt(first, v).log_focal);
   }
-  return ExamineView(with_view, clip, view, motion, Median(std::move(focals)),
-                     consensus.solution.scales.observation.Typical());
+  return Median(std::move(focals));
 }
 
 std::optional<Consensus> Examination::ConsensusWithout(const std::vector<ViewSigns>& signs) const {
@@ -170,11 +166,13 @@ std::optional<Consensus> Examination::ConsensusWithout(const std::vector<ViewSig
 
 int Examination::CountFollowers(const Consensus& consensus, const std::vector<ViewSigns>& signs) const {
   int followers = 0;
+  const KnownMotion motion(consensus.capture, consensus.solution, 0);
   for (int v = 0; v < capture_.view_count(); ++v) {
     if (!signs[static_cast<std::size_t>(v)].known || std::ranges::find(consensus.views, v) != consensus.views.end())
       continue;
-    const ViewExamination found = Examine(consensus, 0, v);
-    followers += found.fits && found.reading.IsIdentity() && found.bad.empty() ? 1 : 0;
+    const double share =
+        ShareThatFits(original_, 0, v, motion, FocalOf(consensus, 0), consensus.solution.scales.observation.Typical());
+    followers += share > 0.9 ? 1 : 0;
   }
   return followers;
 }
@@ -212,7 +210,10 @@ void Examination::Correct(const Consensus& consensus, int view) {
   int clips_that_fit = 0;
   std::string why = "does not show the same person, or not at the same time";
   for (int clip = 0; clip < static_cast<int>(capture_.clips.size()); ++clip) {
-    ViewExamination found = Examine(consensus, clip, view);
+    // The view is examined as it was recorded, not as it was shifted against a solution that it took part in.
+    const KnownMotion motion(consensus.capture, consensus.solution, clip);
+    ViewExamination found = ExamineView(original_, clip, view, motion, FocalOf(consensus, clip),
+                                        consensus.solution.scales.observation.Typical());
     ViewCorrection& correction = check_.At(clip, view);
     correction = {};
     const int frames = capture_.clips[static_cast<std::size_t>(clip)].count;

@@ -66,7 +66,9 @@ TEST(CheckCameras, LeavesGoodCamerasAlone) {
   const CaptureObservations before = capture;
   Solution solution = Quickly()(capture);
   const CameraCheck check = CheckCameras(capture, Quickly(), solution);
-  for (const std::vector<int>& offsets : check.offsets) EXPECT_THAT(offsets, Each(0));
+  for (const std::vector<ViewCorrection>& corrections : check.corrections) {
+    for (const ViewCorrection& correction : corrections) EXPECT_TRUE(correction.IsNone());
+  }
   EXPECT_THAT(check.dropped, Each(false));
   EXPECT_EQ(capture.confidence, before.confidence);
 }
@@ -78,8 +80,10 @@ TEST(CheckCameras, FindsADelayInOneClip) {
   ShiftView(capture, 0, 1, 5);
   Solution solution = Quickly()(capture);
   const CameraCheck check = CheckCameras(capture, Quickly(), solution);
-  EXPECT_THAT(check.offsets[0], ElementsAre(0, -5, 0, 0));
-  EXPECT_THAT(check.offsets[1], Each(0));
+  for (int v = 0; v < capture.view_count(); ++v) {
+    EXPECT_EQ(check.At(0, v).offset_frames, v == 1 ? -5 : 0);
+    EXPECT_EQ(check.At(1, v).offset_frames, 0);
+  }
   EXPECT_THAT(check.dropped, Each(false));
   EXPECT_LT(MedianError(capture, solution), 0.006);
 }
@@ -98,6 +102,23 @@ TEST(CheckCameras, DropsACameraThatShowsSomebodyElse) {
   const CameraCheck check = CheckCameras(capture, Quickly(), solution);
   EXPECT_THAT(check.dropped, ElementsAre(false, false, true, false));
   EXPECT_FALSE(solution.estimate.CameraAt(0, 2).valid);
+  EXPECT_LT(MedianError(capture, solution), 0.006);
+}
+
+TEST(CheckCameras, ReadsAMirroredCameraAsItShouldBe) {
+  CaptureObservations capture = Observe(testing::Simulate(testing::SmallSimulation()).dataset);
+  const CaptureObservations before = capture;
+  ViewCorrection mirror;
+  mirror.reading.is_mirrored = mirror.reading.sides_are_exchanged = true;
+  for (int clip = 0; clip < 2; ++clip) ApplyCorrection(mirror, clip, 2, capture);
+  Solution solution = Quickly()(capture);
+  const CameraCheck check = CheckCameras(capture, Quickly(), solution);
+  for (int clip = 0; clip < 2; ++clip) {
+    EXPECT_TRUE(check.At(clip, 2).reading.is_mirrored);
+    EXPECT_THAT(check.At(clip, 2).bad, ::testing::IsEmpty());
+  }
+  EXPECT_THAT(check.dropped, Each(false));
+  EXPECT_EQ(capture.xy, before.xy);
   EXPECT_LT(MedianError(capture, solution), 0.006);
 }
 

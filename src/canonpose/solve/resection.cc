@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 
 #include "canonpose/base/median.h"
 #include "canonpose/solve/fit.h"
@@ -14,7 +14,7 @@
 namespace canonpose {
 namespace {
 
-constexpr int kIterations = 12;
+constexpr int kIterations = 8;
 constexpr std::size_t kMinSightings = 6;
 /// Perspective is not corrected beyond this ratio of a joint's depth to the mean depth, in either direction.
 constexpr double kMaxDepthRatio = 4.0;
@@ -44,10 +44,12 @@ bool FitAffine(std::span<const Sighting> sightings, const Eigen::Vector3d& centr
   if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-9 * factor.vectorD().maxCoeff()))
     return false;
   const Eigen::Matrix<double, 2, 4> affine = factor.solve(right).transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix<double, 2, 3>, Eigen::FullPivHouseholderQRPreconditioner> svd(
-      affine.leftCols<3>(), Eigen::ComputeFullU | Eigen::ComputeFullV);
-  camera.scale = 0.5 * svd.singularValues().sum();
-  camera.rows = svd.matrixU() * svd.matrixV().leftCols<2>().transpose();
+  // The nearest matrix with orthonormal rows, (A A^T)^-1/2 A, and the scale that goes with it.
+  const Eigen::Matrix<double, 2, 3> A = affine.leftCols<3>();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> squares(A * A.transpose());
+  if (!(squares.eigenvalues()[0] > 0.0)) return false;
+  camera.scale = 0.5 * squares.eigenvalues().cwiseSqrt().sum();
+  camera.rows = squares.operatorInverseSqrt() * A;
   camera.offset = affine.col(3);
   return std::isfinite(camera.scale) && camera.scale > 0.0;
 }
@@ -97,7 +99,7 @@ Resection Resect(std::span<const Sighting> sightings, double log_focal, double s
     if (!FitAffine(sightings, centre, image, weights, camera)) return result;
     SetFrom(camera, centre, result);
     MeasureErrors(sightings, result);
-    const double wide = std::max(scatter, iteration + 3 < kIterations ? kWide * Median(result.errors) : 0.0);
+    const double wide = std::max(scatter, iteration + 2 < kIterations ? kWide * Median(result.errors) : 0.0);
     const double mean_depth = std::exp(log_focal) / camera.scale;
     for (std::size_t i = 0; i < sightings.size(); ++i) {
       const double depth = (result.rotation * sightings[i].joint + result.translation).z() / mean_depth;
@@ -116,9 +118,14 @@ Resection ResectWithFocal(std::span<const Sighting> sightings, double expected_l
   constexpr int kSteps = 3;
   constexpr double kStep = std::numbers::ln2 / kSteps;
   Resection best;
-  for (int step = -kSteps; step <= kSteps; ++step) {
-    Resection candidate = Resect(sightings, expected_log_focal + step * kStep, scatter);
+  const auto attempt = [&](double log_focal) {
+    Resection candidate = Resect(sightings, log_focal, scatter);
     if (candidate.valid && (!best.valid || candidate.cost < best.cost)) best = std::move(candidate);
+  };
+  for (int step = -kSteps; step <= kSteps; ++step) attempt(expected_log_focal + step * kStep);
+  for (const double finer : {0.5 * kStep, 0.25 * kStep, 0.125 * kStep}) {
+    const double middle = best.log_focal;
+    for (const double sign : {-1.0, 1.0}) attempt(middle + sign * finer);
   }
   return best;
 }

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "canonpose/base/median.h"
+#include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/resection.h"
 
@@ -16,20 +17,28 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 /// A view fits in a frame if the median joint is nearer than this to where the others see it, in body units, or nearer
-/// than this multiple of what it is in the frames that fit. Simulated captures: 0.5 to 1 % usually, 3 to 10 % where a
-/// view shows something else.
-constexpr double kFitsInFrame = 0.02;
+/// than this multiple of the keypoints' scatter or of what it is in the frames that fit. Usually it is 0.5 to 1 %, and
+/// 2 to 10 % where a view shows something else.
+constexpr double kFitsInFrame = 0.012;
+constexpr double kFitsScatters = 4.0;
 constexpr double kFitsRelative = 3.0;
+/// Larger errors count as this, and so do frames that cannot be compared.
+constexpr double kWorstError = 0.03;
 /// A view fits as a whole if this share of its frames does.
 constexpr double kShareThatFits = 0.9;
-/// Another reading than the obvious one must fit this much better (median error), or in this many more frames.
-constexpr double kReadingGain = 0.6;
-constexpr double kReadingShareGain = 0.2;
+/// Another reading than the obvious one must fit this much better, and nearly as well as the best in the frames that
+/// fit.
+constexpr double kReadingGain = 0.75;
+constexpr double kReadingError = 1.5;
 /// The second best time must be worse by this factor; otherwise the motion repeats itself and says nothing about time.
 constexpr double kUniqueTime = 1.25;
 constexpr double kOtherTimeSeconds = 0.4;
-/// Times are compared in about this many frames of the view.
-constexpr int kSearchFrames = 50;
+/// Times are compared in about this many frames of the view, and cameras fitted to so many.
+constexpr std::size_t kSearchFrames = 40;
+constexpr std::size_t kCameraFrames = 60;
+/// Readings that fit worse than this multiple of the best one, in the frames that are compared, are not looked at
+/// closely.
+constexpr double kHopeless = 2.0;
 constexpr int kMinOverlap = 25;
 /// Shorter stretches are not judged.
 constexpr double kMinStretchSeconds = 0.4;
@@ -43,7 +52,8 @@ struct ViewFit {
   double error = std::numeric_limits<double>::infinity();  ///< median of the frames that fit
   double share = 0.0;                                      ///< of the comparable frames, those that fit
   int compared = 0;
-  Resection camera;  ///< of a static view
+  double badness = kWorstError;  ///< mean error over the frames, at most kWorstError each
+  Resection camera;              ///< of a static view
 };
 
 class Examiner {
@@ -58,6 +68,7 @@ class Examiner {
         scatter_(scatter) {}
 
   [[nodiscard]] ViewExamination Examine() const;
+  [[nodiscard]] double ShareAsRecorded() const { return Fit({}).share; }
 
  private:
   /// The sightings of the view's frame t at a time of the others.
@@ -68,6 +79,9 @@ class Examiner {
   [[nodiscard]] double FrameError(int t, double time, const ViewReading& reading, const Resection& camera) const;
   [[nodiscard]] ViewFit Fit(const ViewReading& reading) const;
   void Rate(ViewFit& fit) const;
+  [[nodiscard]] double FitsInFrame() const { return std::max(kFitsInFrame, kFitsScatters * scatter_); }
+  /// The largest error at which a frame fits, given that of those that fit.
+  [[nodiscard]] double Limit(double error) const { return std::max(FitsInFrame(), kFitsRelative * error); }
   /// The camera that fits the largest number of frames, from windows of the clip; `camera` invalid if none does.
   [[nodiscard]] Resection BestCameraOfWindows(const std::vector<int>& frames, const ViewReading& reading) const;
   [[nodiscard]] double ErrorAtTime(const ViewReading& reading, const std::vector<int>& frames) const;
@@ -108,7 +122,7 @@ std::vector<int> Examiner::ComparableFrames(const ViewReading& reading) const {
 
 Resection Examiner::FitCamera(const std::vector<int>& frames, const ViewReading& reading, bool with_focal) const {
   std::vector<Sighting> sightings;
-  for (const int t : frames) {
+  for (const int t : EvenlySpread(frames, static_cast<int>(kCameraFrames))) {
     const std::vector<Sighting> more = SightingsOf(t, reading.time.At(t), reading);
     sightings.insert(sightings.end(), more.begin(), more.end());
   }
@@ -128,17 +142,19 @@ double Examiner::FrameError(int t, double time, const ViewReading& reading, cons
   return Median(std::move(errors));
 }
 
-/// The largest error at which a frame fits, given those that fit.
-double Limit(double error) { return std::max(kFitsInFrame, kFitsRelative * error); }
-
 void Examiner::Rate(ViewFit& fit) const {
   std::vector<double> fitting;
   fit.compared = 0;
+  double sum = 0.0;
   for (const double error : fit.frame_errors) {
     if (!std::isfinite(error)) continue;
     ++fit.compared;
-    if (error < kFitsInFrame) fitting.push_back(error);
+    sum += std::min(error, kWorstError);
+    if (error < FitsInFrame()) fitting.push_back(error);
   }
+  // A view that is slower or faster than the others shares only some of its frames with them.
+  const double possible = clip_.count / std::max(1.0, std::abs(fit.reading.time.rate));
+  fit.badness = (sum + std::max(0.0, possible - fit.compared) * kWorstError) / std::max<double>(possible, fit.compared);
   if (fitting.empty()) return;
   fit.error = Median(fitting);
   const double limit = Limit(fit.error);
@@ -150,30 +166,29 @@ Resection Examiner::BestCameraOfWindows(const std::vector<int>& frames, const Vi
   const auto length = static_cast<std::size_t>(std::max<double>(kMinFitFrames, kFitWindowSeconds * clip_.fps));
   Resection best;
   std::size_t most = 0;
-  for (std::size_t begin = 0; begin < frames.size(); begin += std::max<std::size_t>(1, length / 2)) {
-    const std::size_t end = std::min(frames.size(), begin + length);
-    if (end - begin < std::min<std::size_t>(length, frames.size()) / 2) break;
-    Resection camera = FitCamera(
-        {frames.begin() + static_cast<std::ptrdiff_t>(begin), frames.begin() + static_cast<std::ptrdiff_t>(end)},
-        reading, true);
-    if (!camera.valid) continue;
-    // Once more with all frames that fit: a window alone leaves the camera uncertain.
+  const auto attempt = [&](const std::vector<int>& some) {
+    Resection camera = FitCamera(some, reading, false);
     std::vector<int> inliers;
-    for (int round = 0; round < 3; ++round) {
+    for (int round = 0; camera.valid && round < 3; ++round) {
       inliers.clear();
       for (const int t : frames) {
-        const double limit = (round == 0 ? 2.0 : 1.0) * kFitsInFrame;
+        const double limit = (round == 0 ? 2.0 : 1.0) * FitsInFrame();
         if (FrameError(t, reading.time.At(t), reading, camera) < limit) inliers.push_back(t);
       }
-      if (inliers.size() < static_cast<std::size_t>(kMinFitFrames)) break;
-      Resection again = FitCamera(inliers, reading, true);
-      if (!again.valid) break;
-      camera = std::move(again);
+      if (inliers.size() < static_cast<std::size_t>(kMinFitFrames)) return;
+      // Once more with all frames that fit: a window alone leaves the camera uncertain.
+      if (round < 2) camera = FitCamera(inliers, reading, true);
     }
-    if (inliers.size() <= most) continue;
+    if (!camera.valid || inliers.size() <= most) return;
     most = inliers.size();
     best = std::move(camera);
-    if (most == frames.size()) break;
+  };
+  attempt(frames);
+  for (std::size_t begin = 0; begin < frames.size(); begin += std::max<std::size_t>(1, length / 2)) {
+    if (static_cast<double>(most) >= kShareThatFits * static_cast<double>(frames.size())) break;
+    const std::size_t end = std::min(frames.size(), begin + length);
+    if (end - begin < std::min<std::size_t>(length, frames.size()) / 2) break;
+    attempt({frames.begin() + static_cast<std::ptrdiff_t>(begin), frames.begin() + static_cast<std::ptrdiff_t>(end)});
   }
   return best;
 }
@@ -228,10 +243,7 @@ std::optional<ViewReading> Examiner::FindTime(ViewReading reading) const {
       }
     }
     if (static_cast<int>(frames.size()) < min_overlap * std::min(1.0, 1.0 / std::abs(rate))) return;
-    const std::size_t step = std::max<std::size_t>(1, frames.size() / kSearchFrames);
-    std::vector<int> some;
-    for (std::size_t i = 0; i < frames.size(); i += step) some.push_back(frames[i]);
-    candidates.push_back({offset, ErrorAtTime(reading, some)});
+    candidates.push_back({offset, ErrorAtTime(reading, EvenlySpread(frames, static_cast<int>(kSearchFrames)))});
   };
   const double span = std::abs(rate) * count;
   const double from = rate > 0.0 ? min_overlap - span : min_overlap - 1.0;
@@ -339,21 +351,31 @@ void Examiner::NameFault(const ViewFit& fit, double limit, BadStretch& stretch) 
 }
 
 ViewExamination Examiner::Examine() const {
-  ViewFit best = Fit({});
-  if (best.share < kShareThatFits) {
-    const ViewFit obvious = best;
-    for (const ViewReading& reading : OtherReadings()) {
-      ViewFit other = Fit(reading);
-      // A reading that leaves little to compare cannot win.
-      if (other.compared * std::max(1.0, std::abs(reading.time.rate)) < std::max(kMinOverlap, clip_.count / 4))
-        continue;
-      const bool fits_better = other.share > obvious.share + kReadingShareGain ||
-                               (other.share >= obvious.share && other.error < kReadingGain * obvious.error);
-      const bool is_best = best.reading.IsIdentity() || other.share > best.share + 0.05 ||
-                           (other.share > best.share - 0.05 && other.error < best.error);
-      if (fits_better && is_best) best = std::move(other);
+  std::vector<ViewFit> fits = {Fit({})};
+  if (fits.front().share < kShareThatFits) {
+    std::vector<ViewReading> readings = OtherReadings();
+    std::vector<double> errors;
+    for (const ViewReading& reading : readings) {
+      errors.push_back(ErrorAtTime(reading, EvenlySpread(ComparableFrames(reading), static_cast<int>(kSearchFrames))));
+    }
+    const double least = errors.empty() ? 0.0 : *std::ranges::min_element(errors);
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+      if (errors[i] <= kHopeless * least) fits.push_back(Fit(readings[i]));
     }
   }
+  const double least_error = std::ranges::min_element(fits, {}, &ViewFit::error)->error;
+  std::size_t chosen = 0;
+  for (std::size_t i = 1; i < fits.size(); ++i) {
+    if (getenv("DBG"))
+      fprintf(stderr,
+              "view %d m%d x%d rate %g off %g: share %.2f error %.4f bad %.4f compared %d | obvious %.2f %.4f %.4f\n",
+              view_, fits[i].reading.is_mirrored, fits[i].reading.sides_are_exchanged, fits[i].reading.time.rate,
+              fits[i].reading.time.offset, fits[i].share, fits[i].error, fits[i].badness, fits[i].compared,
+              fits[0].share, fits[0].error, fits[0].badness);
+    if (fits[i].error > kReadingError * least_error) continue;
+    if (fits[i].badness < (chosen == 0 ? kReadingGain : 1.0) * fits[chosen].badness) chosen = i;
+  }
+  const ViewFit best = std::move(fits[chosen]);
   ViewExamination result;
   result.reading = best.reading;
   result.error = best.error;
@@ -390,6 +412,11 @@ Eigen::Vector3d KnownMotion::At(double time, int joint) const {
   if (share < 1e-9) return at(before);
   if (before + 1 >= frame_count_) return Eigen::Vector3d::Constant(kUnknown);
   return (1.0 - share) * at(before) + share * at(before + 1);
+}
+
+double ShareThatFits(const CaptureObservations& capture, int clip, int view, const KnownMotion& motion,
+                     double expected_log_focal, double scatter) {
+  return Examiner(capture, clip, view, motion, expected_log_focal, scatter).ShareAsRecorded();
 }
 
 ViewExamination ExamineView(const CaptureObservations& capture, int clip, int view, const KnownMotion& motion,

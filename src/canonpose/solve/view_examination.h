@@ -36,6 +36,10 @@ struct ViewExamination {
   double error = 0.0;  ///< median distance from the known motion where it fits, body units
 };
 
+/// The share of a view's frames in a clip that fit the motion without any correction.
+double ShareThatFits(const CaptureObservations& capture, int clip, int view, const KnownMotion& motion,
+                     double expected_log_focal, double scatter);
+
 /// Examines a view in a clip against the motion that other views show. `expected_log_focal` is about its focal length,
 /// `scatter` the usual error of keypoints in body units.
 ViewExamination ExamineView(const CaptureObservations& capture, int clip, int view, const KnownMotion& motion,

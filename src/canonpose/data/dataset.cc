@@ -58,7 +58,8 @@ PoseSequence TruthPoses(const Skeleton& skeleton, std::vector<float> positions, 
 }
 
 bool LacksUncertainty(const PoseSequence& solved) {
-  return solved.AnyKnown() && std::ranges::none_of(solved.standard_deviation(), [](float s) { return std::isfinite(s); });
+  return solved.AnyKnown() &&
+         std::ranges::none_of(solved.standard_deviation(), [](float s) { return std::isfinite(s); });
 }
 
 bool Dataset::HasTruth() const {

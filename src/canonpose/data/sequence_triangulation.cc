@@ -25,8 +25,7 @@ PointObservation Observe(const CameraView& view, int frame, std::size_t joint_in
 
 }  // namespace
 
-SequencePoses TriangulateSequence(const Sequence& sequence, const Skeleton& skeleton,
-                                  std::vector<double>* errors_px) {
+SequencePoses TriangulateSequence(const Sequence& sequence, const Skeleton& skeleton, std::vector<double>* errors_px) {
   const std::size_t joint_count = skeleton.joints.size();
   const std::size_t size = static_cast<std::size_t>(sequence.frame_count) * joint_count;
   std::vector<std::vector<float>> positions;  // by camera, (T, J, 3)
@@ -52,8 +51,8 @@ SequencePoses TriangulateSequence(const Sequence& sequence, const Skeleton& skel
   }
   SequencePoses poses;
   for (std::size_t c = 0; c < positions.size(); ++c) {
-    poses.poses_in_camera.push_back(PosesInCamera(skeleton, std::move(positions[c]), LengthUnit::kMillimetres,
-                                                  sequence.cameras[c].name));
+    poses.poses_in_camera.push_back(
+        PosesInCamera(skeleton, std::move(positions[c]), LengthUnit::kMillimetres, sequence.cameras[c].name));
   }
   return poses;
 }

@@ -7,8 +7,8 @@
 
 namespace canonpose {
 
-/// For each camera of a sequence the poses in that camera's frame in millimetres; empty for a camera whose poses are not
-/// known at all.
+/// For each camera of a sequence the poses in that camera's frame in millimetres; empty for a camera whose poses are
+/// not known at all.
 struct SequencePoses {
   std::vector<PoseSequence> poses_in_camera;
 };

@@ -38,7 +38,8 @@ TEST(TriangulateSequence, NearlyParallelRaysGiveNothing) {
   Dataset dataset = TwoCameras();
   dataset.sequences[0].cameras[1] = dataset.sequences[0].cameras[0];
   dataset.sequences[0].cameras[1].calibration[0].camera_from_world_translation.x() += 50.0;
-  EXPECT_TRUE(std::isnan(TriangulateSequence(dataset.sequences[0], dataset.skeleton).poses_in_camera[0].positions()[0]));
+  EXPECT_TRUE(
+      std::isnan(TriangulateSequence(dataset.sequences[0], dataset.skeleton).poses_in_camera[0].positions()[0]));
 }
 
 TEST(TriangulateSequence, CamerasWithoutCalibrationGetNoPoses) {

@@ -54,8 +54,8 @@ TEST(PoseLifter, PoseIsRotationTimesCanonicalAndRootIsTheOrigin) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         double turned = 0.0;
         for (std::size_t k = 0; k < 3; ++k) {
-          turned +=
-              static_cast<double>(lifted.rotation[t * 9 + axis * 3 + k]) * lifted.canonical.positions()[(t * kJoints + j) * 3 + k];
+          turned += static_cast<double>(lifted.rotation[t * 9 + axis * 3 + k]) *
+                    lifted.canonical.positions()[(t * kJoints + j) * 3 + k];
         }
         EXPECT_NEAR(lifted.pose_in_camera.positions()[(t * kJoints + j) * 3 + axis], turned, 1e-5);
         if (j == 0) {

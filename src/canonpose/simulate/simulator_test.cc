@@ -76,8 +76,8 @@ TEST(Simulator, SameSeedSameBitsWhateverTheThreads) {
     EXPECT_EQ(one[n].sequence.name, three[n].sequence.name);
     for (std::size_t c = 0; c < one[n].sequence.cameras.size(); ++c) {
       EXPECT_TRUE(SameValues(one[n].sequence.cameras[c].keypoints, three[n].sequence.cameras[c].keypoints));
-      EXPECT_TRUE(SameValues(one[n].sequence.cameras[c].truth.positions(),
-                             three[n].sequence.cameras[c].truth.positions()));
+      EXPECT_TRUE(
+          SameValues(one[n].sequence.cameras[c].truth.positions(), three[n].sequence.cameras[c].truth.positions()));
     }
   }
   SimulationOptions other = Small();

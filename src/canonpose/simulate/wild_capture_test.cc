@@ -35,7 +35,8 @@ bool SameBits(const Sequence& a, const Sequence& b) {
   return a.name == b.name && std::equal(a.cameras.begin(), a.cameras.end(), b.cameras.begin(), b.cameras.end(),
                                         [](const CameraView& x, const CameraView& y) {
                                           return SameBits(x.keypoints, y.keypoints) &&
-                                                 SameBits(x.confidence, y.confidence) && SameBits(x.truth.positions(), y.truth.positions());
+                                                 SameBits(x.confidence, y.confidence) &&
+                                                 SameBits(x.truth.positions(), y.truth.positions());
                                         });
 }
 
@@ -125,8 +126,7 @@ TEST(WildCapture, UnknownJointsAreNeverSeen) {
     EXPECT_TRUE(std::isnan(view.keypoints[2 * (18 * t + 1)]));
     EXPECT_TRUE(std::isnan(view.truth.positions()[3 * (18 * t + 1)]));
     // The others are the same as without this joint.
-    EXPECT_EQ(view.truth.positions()[3 * (18 * t + 2)],
-              without.cameras[1].truth.positions()[3 * (17 * t + 1)]);
+    EXPECT_EQ(view.truth.positions()[3 * (18 * t + 2)], without.cameras[1].truth.positions()[3 * (17 * t + 1)]);
     EXPECT_EQ(view.confidence[18 * t + 17], without.cameras[1].confidence[17 * t + 16]);
   }
 }

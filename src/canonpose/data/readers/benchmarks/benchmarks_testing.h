@@ -80,8 +80,7 @@ inline void ExpectTruthProjects(const CameraView& view, int frames, double toler
   for (std::size_t i = 0; i < view.confidence.size(); ++i) {
     if (std::isnan(truth[3 * i])) continue;
     const Camera& camera = view.CalibrationAt(static_cast<int>(i / joints));
-    const Eigen::Vector2d pixel =
-        camera.ProjectFromCamera({truth[3 * i], truth[3 * i + 1], truth[3 * i + 2]});
+    const Eigen::Vector2d pixel = camera.ProjectFromCamera({truth[3 * i], truth[3 * i + 1], truth[3 * i + 2]});
     ASSERT_NEAR(pixel.x(), view.keypoints[2 * i], tolerance_px) << view.name << " " << i;
     ASSERT_NEAR(pixel.y(), view.keypoints[2 * i + 1], tolerance_px) << view.name << " " << i;
   }

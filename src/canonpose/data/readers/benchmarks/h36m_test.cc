@@ -80,7 +80,8 @@ TEST(H36mTest, OtherSkeletonsCamerasAndForms) {
   ASSERT_EQ(sequence.cameras.size(), 2U);
   const CameraView& view = Find(sequence, "60457274");
   const CameraView& other = Find(Find(whole, "S1 Walking 1"), "60457274");
-  for (Eigen::Index axis = 0; axis < 3; ++axis) EXPECT_EQ(view.truth.PoseAt(0)(6, axis), other.truth.PoseAt(0)(0, axis)) << "the root";
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    EXPECT_EQ(view.truth.PoseAt(0)(6, axis), other.truth.PoseAt(0)(0, axis)) << "the root";
   options.cameras = {"1"};
   EXPECT_THAT(Refusal(options), AllOf(HasSubstr("camera 1, as `cameras` says"), HasSubstr("54138969, 55011271")));
 

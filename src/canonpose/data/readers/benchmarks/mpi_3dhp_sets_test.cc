@@ -132,7 +132,8 @@ TEST(Mpi3dhpTestTest, OneCameraAndValidFrames) {
 
   BenchmarkOptions options = Options("3dhp-test", {kTest5});
   options.truth = "annot3";
-  ExpectNear(Import(options).dataset.sequences[0].cameras[0].truth.positions(), File("3dhp_test/expected.npz"), "TS5|annot3");
+  ExpectNear(Import(options).dataset.sequences[0].cameras[0].truth.positions(), File("3dhp_test/expected.npz"),
+             "TS5|annot3");
   const TemporaryFolder folder;
   WriteDataset(folder / "a.h5", dataset);
   const Dataset read = ReadDataset(folder / "a.h5");

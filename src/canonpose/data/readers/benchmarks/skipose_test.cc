@@ -32,7 +32,8 @@ TEST(SkiPoseTest, ViewsBySubjectSequenceCameraAndFrame) {
       EXPECT_EQ(view.image_size, (std::array{256, 256}));
       ExpectNear(view.keypoints, File("skipose/expected.npz"), fmt::format("{}|{}|keypoints", sequence.name, camera));
       // The place of the person is found from pixels: half a millimetre at 25 m, with float intrinsics.
-      ExpectNear(view.truth.positions(), File("skipose/expected.npz"), fmt::format("{}|{}|truth", sequence.name, camera), 10.0);
+      ExpectNear(view.truth.positions(), File("skipose/expected.npz"),
+                 fmt::format("{}|{}|truth", sequence.name, camera), 10.0);
       ExpectTruthProjects(view, sequence.frame_count, 0.01);
       EXPECT_EQ(view.calibration.size(), static_cast<std::size_t>(sequence.frame_count));
     }

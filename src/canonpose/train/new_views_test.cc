@@ -186,7 +186,7 @@ TEST(NewViews, WithoutDetectorErrorsTheNewKeypointsAreTheProjectionOfTheNewPose)
 
 TEST(NewViews, CamerasTurnAboutTheVerticalAndKeepTheirTilt) {
   const Dataset dataset = Filmed(0.0);
-  const RowForm form = Form("off");
+  const RowForm form = Form(RayForm::kOff);
   const TrainingSplit split = MakeTrainingSplit({dataset}, 0.0, form);
   const NewViews views({dataset}, split.training, form);
   const Eigen::Vector3d down =
@@ -215,7 +215,7 @@ TEST(NewViews, CamerasTurnAboutTheVerticalAndKeepTheirTilt) {
 TEST(NewViews, RowsWithoutACameraStayAsTheyAre) {
   Dataset dataset = Filmed(0.0);
   dataset.sequences[0].cameras[1].calibration.clear();
-  const RowForm form = Form("off");
+  const RowForm form = Form(RayForm::kOff);
   const TrainingSplit split = MakeTrainingSplit({dataset}, 0.0, form);
   const NewViews views({dataset}, split.training, form);
   const Copy before(split.training, 1);

@@ -23,7 +23,7 @@ struct CameraView {
   /// Poses in the frame of this camera; empty where there are none. Their fps and the person's name are left to the
   /// Sequence.
   PoseSequence truth;   ///< in millimetres
-  PoseSequence solved;  ///< in body lengths, with uncertainties (but see train/triangulated_targets.h)
+  PoseSequence solved;  ///< as `solve` finds them: in body lengths, with uncertainties
   /// The cameras that `solve` found, one or T as in `calibration`. Their translations are in the unit of `solved`, not
   /// millimetres: `solved` in camera c is R_c x_in_world + t_c, and K projects it to pixels. Empty where there are
   /// none.

@@ -247,7 +247,9 @@ void WriteSolvedDetails(h5::Group& camera, const PoseSequence& solved) {
   trusted.TrustKnownJoints();
   std::vector<float> confidence = solved.confidence();
   // What is written for a missing joint is 0, whatever its confidence was.
-  for (std::size_t i = 0; i < confidence.size(); ++i) confidence[i] = std::min(confidence[i], trusted.confidence()[i]);
+  for (std::size_t i = 0; i < confidence.size(); ++i) {
+    if (trusted.confidence()[i] == 0.0F) confidence[i] = 0.0F;
+  }
   if (confidence != trusted.confidence()) Write(camera, "solved_confidence", confidence, shape);
 }
 

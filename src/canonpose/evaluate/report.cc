@@ -69,8 +69,12 @@ std::string Heading(const EvaluationReport& report) {
                         fmt::join(report.rules.subjects, " and "));
   }
   text += fmt::format("\nMirrored in depth: {:.1f} % of the poses", MirroredPercent(report));
-  if (2 * report.mirrored > report.metrics.poses)
-    text += " (train again with `mirror` flip, or with keep if `info` reports that it was flipped)";
+  if (2 * report.mirrored > report.metrics.poses) {
+    text +=
+        "\n  Front and back are exchanged. Solved poses, and models of preset best, which learn from them: solve again "
+        "with `mirror=flip`, and train on the result. Models of presets paper, paper+c and plus: train again with "
+        "`mirror=flip`. If the mirror was flipped already, use `mirror=keep` instead.";
+  }
   text += fmt::format("\nDepth of the poses: {:.2f} times the truth's", report.depth_extent_ratio);
   if (report.cameras) {
     text += fmt::format(

@@ -45,7 +45,7 @@ class Run {
   std::optional<Evaluation> evaluation_;
   std::optional<CanonicalSpread> canonical_;
   ReferenceSummary reference_;
-  std::set<std::string> truth_kinds_;  ///< "" where a sequence does not say
+  std::set<std::string> truth_kinds_;  ///< "" if a sequence does not say
   CameraComparison cameras_;
   std::int64_t left_out_sequences_ = 0;
   std::int64_t sequences_too_short_ = 0;

@@ -1,7 +1,9 @@
 #include "canonpose/data/sequence_triangulation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "canonpose/geometry/angles.h"
 #include "canonpose/geometry/triangulation.h"
@@ -13,40 +15,66 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 // Rays that meet at 2 degrees magnify an error across them 30 times along them, which is useless as a reference.
 constexpr double kMinRayAngleRad = RadFromDeg(2.0);
 
-PointObservation Observe(const CameraView& view, int frame, std::size_t joint_in_sequence) {
+/// The frames by which a view's clock differs from that of the sequence.
+int OffsetFrames(const Sequence& sequence, const CameraView& view) {
+  constexpr double kDefaultFps = 30.0;
+  return static_cast<int>(std::lround(view.time_offset_seconds * (sequence.fps > 0.0 ? sequence.fps : kDefaultFps)));
+}
+
+/// What a view shows in its own frame `frame`, which may be outside of the sequence.
+PointObservation Observe(const Sequence& sequence, const CameraView& view, int frame, std::size_t joint,
+                         std::size_t joint_count) {
   PointObservation observation;
-  if (view.calibration.empty()) return observation;
+  if (view.calibration.empty() || frame < 0 || frame >= sequence.frame_count) return observation;
+  const std::size_t i = static_cast<std::size_t>(frame) * joint_count + joint;
   observation.camera = &view.CalibrationAt(frame);
-  observation.pixel = {view.keypoints[2 * joint_in_sequence], view.keypoints[2 * joint_in_sequence + 1]};
-  observation.confidence = view.confidence[joint_in_sequence];
+  observation.pixel = {view.keypoints[2 * i], view.keypoints[2 * i + 1]};
+  observation.confidence = view.confidence[i];
   return observation;
 }
 
 }  // namespace
 
-SequencePoses TriangulateSequence(const Sequence& sequence, int joints, std::vector<double>* errors_px) {
-  const auto joint_count = static_cast<std::size_t>(joints);
-  SequencePoses poses;
+SequencePoses TriangulateSequence(const Sequence& sequence, const Skeleton& skeleton, std::vector<double>* errors_px) {
+  const std::size_t joint_count = skeleton.joints.size();
   const std::size_t size = static_cast<std::size_t>(sequence.frame_count) * joint_count;
+  std::vector<std::vector<float>> positions;  // by camera, (T, J, 3)
   for (const CameraView& view : sequence.cameras) {
-    poses.poses_in_camera.emplace_back(view.calibration.empty() ? 0 : 3 * size, kUnknown);
+    positions.emplace_back(view.calibration.empty() ? 0 : 3 * size, kUnknown);
+  }
+  int first = 0;
+  int last = sequence.frame_count - 1;
+  std::vector<int> offsets;
+  for (const CameraView& view : sequence.cameras) {
+    offsets.push_back(OffsetFrames(sequence, view));
+    first = std::min(first, offsets.back());
+    last = std::max(last, sequence.frame_count - 1 + offsets.back());
   }
   std::vector<PointObservation> observations(sequence.cameras.size());
-  for (std::size_t i = 0; i < size; ++i) {
-    const auto frame = static_cast<int>(i / joint_count);
-    for (std::size_t c = 0; c < observations.size(); ++c) observations[c] = Observe(sequence.cameras[c], frame, i);
-    const TriangulatedPoint point = Triangulate(observations);
-    if (!point.valid() || !point.in_front_of_all_cameras || point.largest_ray_angle_rad < kMinRayAngleRad) continue;
-    for (std::size_t c = 0; c < observations.size(); ++c) {
-      if (sequence.cameras[c].calibration.empty()) continue;
-      const PointObservation& seen = observations[c];
-      const double error_px = (seen.camera->Project(point.point_in_world_mm) - seen.pixel).norm();
-      if (errors_px != nullptr && seen.confidence > 0.0 && std::isfinite(error_px)) errors_px->push_back(error_px);
-      const Eigen::Vector3d in_camera = sequence.cameras[c].CalibrationAt(frame).InCamera(point.point_in_world_mm);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        poses.poses_in_camera[c][3 * i + axis] = static_cast<float>(in_camera[static_cast<Eigen::Index>(axis)]);
+  for (int time = first; time <= last; ++time) {
+    for (std::size_t joint = 0; joint < joint_count; ++joint) {
+      for (std::size_t c = 0; c < observations.size(); ++c) {
+        observations[c] = Observe(sequence, sequence.cameras[c], time - offsets[c], joint, joint_count);
+      }
+      const TriangulatedPoint point = Triangulate(observations);
+      if (!point.valid() || !point.in_front_of_all_cameras || point.largest_ray_angle_rad < kMinRayAngleRad) continue;
+      for (std::size_t c = 0; c < observations.size(); ++c) {
+        const PointObservation& seen = observations[c];
+        if (seen.camera == nullptr) continue;
+        const double error_px = (seen.camera->Project(point.point_in_world_mm) - seen.pixel).norm();
+        if (errors_px != nullptr && seen.confidence > 0.0 && std::isfinite(error_px)) errors_px->push_back(error_px);
+        const Eigen::Vector3d in_camera = seen.camera->InCamera(point.point_in_world_mm);
+        const std::size_t i = static_cast<std::size_t>(time - offsets[c]) * joint_count + joint;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          positions[c][3 * i + axis] = static_cast<float>(in_camera[static_cast<Eigen::Index>(axis)]);
+        }
       }
     }
+  }
+  SequencePoses poses;
+  for (std::size_t c = 0; c < positions.size(); ++c) {
+    poses.poses_in_camera.push_back(
+        PosesInCamera(skeleton, std::move(positions[c]), LengthUnit::kMillimetres, sequence.cameras[c].name));
   }
   return poses;
 }

@@ -283,6 +283,26 @@ bool Skeleton::SameJoints(const Skeleton& other) const {
                     [](const std::string& a, const std::string& b) { return SameText(a, b, false); });
 }
 
+Skeleton Subset(const Skeleton& skeleton, const std::vector<int>& joints) {
+  std::vector<int> index(skeleton.joints.size(), -1);
+  for (std::size_t i = 0; i < joints.size(); ++i) index[static_cast<std::size_t>(joints[i])] = static_cast<int>(i);
+  CANONPOSE_CHECK(index[static_cast<std::size_t>(skeleton.root)] >= 0, "the root is not among the joints");
+  Skeleton subset;
+  subset.root = index[static_cast<std::size_t>(skeleton.root)];
+  for (const int joint : joints) {
+    const auto j = static_cast<std::size_t>(joint);
+    subset.joints.push_back(skeleton.joints[j]);
+    int ancestor = skeleton.parents[j];
+    while (ancestor >= 0 && index[static_cast<std::size_t>(ancestor)] < 0) {
+      ancestor = skeleton.parents[static_cast<std::size_t>(ancestor)];
+    }
+    subset.parents.push_back(ancestor < 0 ? -1 : index[static_cast<std::size_t>(ancestor)]);
+    const int partner = index[static_cast<std::size_t>(skeleton.mirror[j])];
+    subset.mirror.push_back(partner < 0 ? index[j] : partner);
+  }
+  return subset;
+}
+
 const std::vector<Skeleton>& BuiltinSkeletons() {
   static const std::vector<Skeleton> skeletons = {MakeHuman36m(), MakeCanonPose16(),
                                                   MakeBody25(),   MakeBody25b(),

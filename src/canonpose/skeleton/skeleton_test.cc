@@ -101,5 +101,24 @@ TEST(SkeletonTest, SameJointsMeansOrderAndRoot) {
   EXPECT_FALSE(Stick().SameJoints(other));
 }
 
+TEST(SkeletonTest, ASubsetHangsFromTheAncestorsThatAreThere) {
+  const Skeleton& whole = *FindSkeleton("h36m-17");
+  // Without the thorax, the left knee and the legs' ends.
+  std::vector<int> joints;
+  for (int j = 0; j < whole.joint_count(); ++j) {
+    const std::string& name = whole.joints[static_cast<std::size_t>(j)];
+    if (name != "Thorax" && name != "LKnee" && name != "LFoot" && name != "RFoot") joints.push_back(j);
+  }
+  const Skeleton part = Subset(whole, joints);
+  EXPECT_EQ(part.Problem(), "");
+  EXPECT_EQ(part.joint_count(), whole.joint_count() - 4);
+  const auto at = [&](const char* name) { return static_cast<std::size_t>(*part.Find(name)); };
+  EXPECT_EQ(part.joints[static_cast<std::size_t>(part.root)], "Hip");
+  EXPECT_EQ(part.parents[at("LShoulder")], *part.Find("Spine"));
+  EXPECT_EQ(part.mirror[at("RKnee")], *part.Find("RKnee"));
+  EXPECT_EQ(part.mirror[at("LWrist")], *part.Find("RWrist"));
+  EXPECT_THROW((void)Subset(whole, {1, 2}), std::logic_error);
+}
+
 }  // namespace
 }  // namespace canonpose

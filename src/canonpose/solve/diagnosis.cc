@@ -148,6 +148,17 @@ std::string MissingInput(const CaptureObservations& capture) {
   if (capture.view_count() < 2) {
     return fmt::format("needs at least two cameras, has {}", capture.view_count());
   }
+  bool shows_root = false;
+  bool shows_anything = false;
+  for (std::size_t i = 0; i < capture.confidence.size(); ++i) {
+    if (!(capture.confidence[i] > 0.0F)) continue;
+    shows_anything = true;
+    shows_root = shows_root || i % capture.skeleton.joints.size() == static_cast<std::size_t>(capture.skeleton.root);
+  }
+  if (shows_anything && !shows_root) {
+    return fmt::format("no camera ever sees {}, the joint that poses are centred on",
+                       capture.skeleton.joints[static_cast<std::size_t>(capture.skeleton.root)]);
+  }
   const auto shared = static_cast<int>(FramesWithStart(capture).size());
   if (shared == 0) return "no two cameras see the person at the same time";
   if (shared < kMinFrames) {

@@ -31,7 +31,8 @@ void AddCamera(CaptureObservations& capture, const CameraView& view, const Seque
 }
 
 void FillView(CaptureObservations& capture, const ClipRange& clip, int v, const CameraView& view,
-              const std::vector<float>& start) {
+              const PoseSequence& start_poses) {
+  const std::vector<float>& start = start_poses.positions();
   const auto joints = static_cast<std::size_t>(capture.joint_count());
   const ObservedCamera& camera = capture.cameras[static_cast<std::size_t>(v)];
   const std::array<double, 2> centre = {0.5 * camera.image_size_px[0], 0.5 * camera.image_size_px[1]};
@@ -58,6 +59,38 @@ void FillView(CaptureObservations& capture, const ClipRange& clip, int v, const 
       capture.start[3 * to + i] = std::isfinite(value) ? static_cast<float>(value / std::sqrt(squares)) : 0.0F;
     }
   }
+}
+
+/// Leaves out joints that no view sees in any frame. Nothing is known of them but what the start's poses make up.
+void RemoveUnseenJoints(CaptureObservations& capture) {
+  const CaptureObservations full = capture;
+  std::vector<bool> is_seen(full.skeleton.joints.size(), false);
+  for (std::size_t i = 0; i < full.confidence.size(); ++i) {
+    if (full.confidence[i] > 0.0F) is_seen[i % is_seen.size()] = true;
+  }
+  capture.dataset_joints.clear();
+  for (int j = 0; j < full.joint_count(); ++j) {
+    if (is_seen[static_cast<std::size_t>(j)] || j == full.skeleton.root) {
+      capture.dataset_joints.push_back(j);
+    } else {
+      capture.unseen_joints.push_back(full.skeleton.joints[static_cast<std::size_t>(j)]);
+    }
+  }
+  if (capture.unseen_joints.empty()) return;
+  capture.skeleton = Subset(full.skeleton, capture.dataset_joints);
+  const auto keep = [&](std::vector<float>& values, const std::vector<float>& all, std::size_t width) {
+    values.clear();
+    for (std::size_t row = 0; row < all.size() / (width * is_seen.size()); ++row) {
+      for (const int j : capture.dataset_joints) {
+        const auto from =
+            all.begin() + static_cast<std::ptrdiff_t>(width * (row * is_seen.size() + static_cast<std::size_t>(j)));
+        values.insert(values.end(), from, from + static_cast<std::ptrdiff_t>(width));
+      }
+    }
+  };
+  keep(capture.xy, full.xy, 2);
+  keep(capture.confidence, full.confidence, 1);
+  keep(capture.start, full.start, 3);
 }
 
 int SubjectIndex(CaptureObservations& capture, const std::string& subject) {
@@ -120,6 +153,7 @@ std::vector<CaptureObservations> CollectCaptures(const Dataset& dataset, const S
                  start.sequences.at(clip.sequence).at(c));
       }
     }
+    RemoveUnseenJoints(capture);
   }
   return captures;
 }

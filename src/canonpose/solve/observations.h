@@ -17,10 +17,10 @@
 namespace canonpose {
 
 /// The poses that the solver starts from, found by a lifter in each view by itself, or by factorisation. Indexed like
-/// Dataset::sequences and their cameras; (T, J, 3) in the camera's frame, centred on the root, in any unit; NaN where
-/// the view was not lifted.
+/// Dataset::sequences and their cameras; relative to the root, with the axes of the camera, in any unit; missing in
+/// frames that were not lifted, empty where a whole view was not.
 struct StartPoses {
-  std::vector<std::vector<std::vector<float>>> sequences;
+  std::vector<std::vector<PoseSequence>> sequences;
 };
 
 /// Consecutive frames of one sequence.
@@ -42,7 +42,9 @@ struct ObservedCamera {
 /// F frames of V cameras that belong together: all clips of the same static cameras, or one clip of moving ones.
 struct CaptureObservations {
   std::string name;
-  Skeleton skeleton;
+  Skeleton skeleton;                       ///< of the joints that some view sees in some frame, and the root
+  std::vector<int> dataset_joints;         ///< (J) where they are in the dataset's skeleton
+  std::vector<std::string> unseen_joints;  ///< of the dataset's skeleton, those that are left out
   bool static_cameras = true;
   std::vector<ObservedCamera> cameras;
   std::vector<ClipRange> clips;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "canonpose/base/median.h"
@@ -18,6 +19,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kOutlierScatters = 5.0;
+/// Good captures have 1 to 7 %.
+constexpr double kManyOutliersPercent = 12.0;
 
 std::string DescribeMirror(const Solution& solution, const std::string& option) {
   if (option == "keep") return "kept by request";
@@ -158,6 +161,7 @@ CaptureReport MakeReport(const CaptureObservations& capture, const Solution& sol
   }
   report.reprojection_percent = 100.0 * Median(std::move(all));
   CountFrames(capture, solution.estimate, windows, report);
+  report.unseen_joints = capture.unseen_joints;
   report.calibration = solution.calibration;
   report.windows = windows;
   const std::string failed_windows = DescribeFailedWindows(report);
@@ -166,6 +170,30 @@ CaptureReport MakeReport(const CaptureObservations& capture, const Solution& sol
   report.mirror = DescribeMirror(solution, mirror_option);
   report.mirror_sigma = solution.mirror_sigma;
   return report;
+}
+
+std::string CaptureReport::Trust() const {
+  if (!failure.empty()) return "Nothing was solved, so there is nothing to rely on.";
+  // The sum of bone lengths of an adult in the field's skeletons.
+  constexpr double kBodyCm = 450.0;
+  std::vector<std::string> doubts;
+  const auto unused = std::ranges::count_if(cameras, [](const CameraReport& camera) { return !camera.used; });
+  if (unused > 0) doubts.push_back(fmt::format("{} of {} cameras are left out", unused, cameras.size()));
+  const auto partly = std::ranges::count_if(findings, [](const CameraFinding& finding) { return !finding.corrected; });
+  if (partly > unused) doubts.push_back("some stretches of time are left out");
+  if (frames_solved < frames)
+    doubts.push_back(fmt::format("{} of {} frames have no pose", frames - frames_solved, frames));
+  if (mirror.starts_with("undecided")) doubts.push_back("depth may be mirrored");
+  for (const CameraReport& camera : cameras) {
+    if (camera.used && camera.outlier_percent > kManyOutliersPercent) {
+      doubts.push_back(fmt::format("{:.0f} % of {}'s keypoints do not fit", camera.outlier_percent, camera.name));
+    }
+  }
+  if (!warnings.empty()) doubts.push_back("see the warnings above");
+  const std::string agreement = fmt::format("the cameras agree to {:.1f} cm (for an adult, in the median)",
+                                            reprojection_percent * kBodyCm / 100.0);
+  if (doubts.empty()) return fmt::format("Nothing speaks against this result: {}.", agreement);
+  return fmt::format("Use it with care: {}; otherwise {}.", fmt::join(doubts, ", "), agreement);
 }
 
 std::string SolveReport::ToText() const {
@@ -195,7 +223,12 @@ std::string SolveReport::ToText() const {
     }
     for (const CameraFinding& finding : capture.findings) text += fmt::format("  found: {}\n", finding.text);
     text += fmt::format("  left-right swaps corrected: {}\n", capture.swaps_corrected);
+    if (!capture.unseen_joints.empty()) {
+      text +=
+          fmt::format("  not in the result: {} (no camera ever sees them)\n", fmt::join(capture.unseen_joints, ", "));
+    }
     for (const std::string& warning : capture.warnings) text += fmt::format("  warning: {}\n", warning);
+    text += fmt::format("  {}\n", capture.Trust());
   }
   return text;
 }
@@ -247,6 +280,8 @@ std::string SolveReport::ToJson() const {
                                  {"corrected", finding.corrected},
                                  {"text", finding.text}});
     }
+    one["unseen_joints"] = capture.unseen_joints;
+    one["trust"] = capture.Trust();
     one["calibration"] = AdjustmentToJson(capture.calibration);
     one["windows"] = WindowsToJson(capture.windows);
     one["warnings"] = capture.warnings;

@@ -47,10 +47,14 @@ struct CaptureReport {
   int swaps_corrected = 0;    ///< frames, summed over cameras, in which left and right were exchanged
   std::vector<OffsetReport> offsets;
   std::vector<CameraFinding> findings;
+  std::vector<std::string> unseen_joints;        ///< that no camera ever sees; they are not in the result
   std::optional<AdjustmentSummary> calibration;  ///< of the cameras; empty where it was not tried
   std::optional<WindowsSummary> windows;         ///< of all frames; empty where they were not tried
   std::vector<std::string> warnings;
   std::string failure;  ///< why the capture could not be solved; empty where it was
+
+  /// One sentence for people who have not read the rest: whether the result can be relied on, and if not, why.
+  [[nodiscard]] std::string Trust() const;
 };
 
 struct SolveReport {

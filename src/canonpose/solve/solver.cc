@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -22,6 +21,7 @@
 #include "canonpose/solve/serial_linear_algebra.h"
 #include "canonpose/solve/swaps.h"
 #include "canonpose/solve/windows.h"
+#include "canonpose/solve/write_solution.h"
 
 namespace canonpose {
 namespace {
@@ -82,6 +82,20 @@ void PoolBones(const std::vector<CaptureObservations>& captures, std::vector<Cap
   }
 }
 
+/// Why a view has no camera though nothing contradicts it; empty where that is not known.
+std::string WhyNotUsable(const CaptureObservations& capture, int view) {
+  bool shows_root = false;
+  bool shows_anything = false;
+  for (int n = 0; n < capture.frame_count; ++n) {
+    shows_root = shows_root || capture.Sees(n, view, capture.skeleton.root);
+    for (int j = 0; j < capture.joint_count(); ++j) shows_anything = shows_anything || capture.Sees(n, view, j);
+  }
+  if (!shows_anything) return "never shows the person";
+  if (shows_root) return "";
+  return fmt::format("never shows {}, the joint that poses are centred on",
+                     capture.skeleton.joints[static_cast<std::size_t>(capture.skeleton.root)]);
+}
+
 /// The report of a capture that was solved.
 void FinishReport(const CaptureObservations& capture, const SolveOptions& options, int swaps_corrected,
                   CaptureWork& work) {
@@ -92,6 +106,9 @@ void FinishReport(const CaptureObservations& capture, const SolveOptions& option
   report.swaps_corrected = swaps_corrected;
   for (std::size_t v = 0; v < capture.cameras.size(); ++v) {
     if (check.dropped[v]) report.cameras[v].why_not_used = check.why_dropped[v];
+    if (!report.cameras[v].used && report.cameras[v].why_not_used.empty()) {
+      report.cameras[v].why_not_used = WhyNotUsable(capture, static_cast<int>(v));
+    }
     for (std::size_t clip = 0; clip < capture.clips.size(); ++clip) {
       const ViewCorrection& correction = check.corrections[clip][v];
       const bool is_shifted = correction.reading.time.rate == 1.0;
@@ -145,126 +162,6 @@ void SolveAllFrames(CaptureObservations& capture, const SolveOptions& options, C
   if (!HasFailed(work)) FinishReport(capture, options, swaps, work);
 }
 
-Camera CameraOf(const CaptureObservations& capture, const RigEstimate& estimate, const ViewReading& reading, int frame,
-                int view) {
-  const ObservedCamera& observed = capture.cameras[static_cast<std::size_t>(view)];
-  const CameraEstimate& found = estimate.CameraAt(frame, view);
-  Camera camera;
-  const double focal_px = found.Focal() * observed.diagonal_px;
-  const Eigen::Vector2d centre_px = 0.5 * Eigen::Vector2d(observed.image_size_px[0], observed.image_size_px[1]) +
-                                    observed.diagonal_px * reading.centre;
-  camera.K << focal_px, 0, centre_px.x(), 0, focal_px, centre_px.y(), 0, 0, 1;
-  camera.camera_from_world_rotation = found.Rotation();
-  camera.camera_from_world_translation = estimate.Translation(frame, view);
-  return camera;
-}
-
-/// The frame of a clip nearest to `frame` in which the view's camera is known; -1 where there is none.
-int NearestKnownFrame(const RigEstimate& estimate, const ClipRange& clip, int frame, int view) {
-  for (int distance = 0; distance < clip.count; ++distance) {
-    for (const int n : {frame - distance, frame + distance}) {
-      if (n >= clip.first && n < clip.first + clip.count && estimate.CameraAt(n, view).valid) return n;
-    }
-  }
-  return -1;
-}
-
-void WriteCameras(const CaptureObservations& capture, const RigEstimate& estimate, const ClipRange& clip, int v,
-                  const ViewReading& reading, CameraView& view) {
-  if (capture.static_cameras) {
-    if (estimate.CameraAt(0, v).valid) view.solved_calibration = {CameraOf(capture, estimate, reading, 0, v)};
-    return;
-  }
-  if (NearestKnownFrame(estimate, clip, clip.first, v) < 0) return;
-  for (int n = clip.first; n < clip.first + clip.count; ++n) {
-    const int known = NearestKnownFrame(estimate, clip, n, v);
-    view.solved_calibration.push_back(CameraOf(capture, estimate, reading, known, v));
-  }
-}
-
-/// A joint in the frame of a camera at a time in frames of a clip, between frames by linear interpolation; NaN where it
-/// is not solved.
-Eigen::Vector3d InCameraAt(const RigEstimate& estimate, const ClipRange& clip, double time, int view, int joint) {
-  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  const auto before = static_cast<int>(std::floor(time));
-  const double share = time - before;
-  const auto at = [&](int t) -> Eigen::Vector3d {
-    if (t < 0 || t >= clip.count || !estimate.CameraAt(clip.first + t, view).valid)
-      return Eigen::Vector3d::Constant(kUnknown);
-    return estimate.InCamera(clip.first + t, view, joint);
-  };
-  if (share < 1e-9) return at(before);
-  return (1.0 - share) * at(before) + share * at(before + 1);
-}
-
-/// Keypoints as the correction reads them, so that the solved camera projects the solved poses to them.
-void CorrectKeypoints(const CaptureObservations& capture, const ViewReading& reading, CameraView& view) {
-  if (!reading.is_mirrored && !reading.sides_are_exchanged && reading.image_size_px[0] == 0) return;
-  const auto joints = static_cast<std::size_t>(capture.joint_count());
-  const CameraView recorded = view;
-  if (reading.image_size_px[0] > 0) view.image_size = reading.image_size_px;
-  for (std::size_t i = 0; i < view.confidence.size(); ++i) {
-    const std::size_t j = i % joints;
-    const std::size_t from =
-        reading.sides_are_exchanged ? i - j + static_cast<std::size_t>(capture.skeleton.mirror[j]) : i;
-    const float x = recorded.keypoints[2 * from];
-    view.keypoints[2 * i] = reading.is_mirrored ? static_cast<float>(view.image_size[0]) - x : x;
-    view.keypoints[2 * i + 1] = recorded.keypoints[2 * from + 1];
-    view.confidence[i] = recorded.confidence[from];
-  }
-}
-
-void WriteView(const CaptureObservations& capture, const Solution& solution, const std::vector<float>& uncertainty,
-               const ClipRange& clip, int v, const ViewCorrection& correction, CameraView& view) {
-  const auto joints = static_cast<std::size_t>(capture.joint_count());
-  const std::size_t values = static_cast<std::size_t>(clip.count) * joints;
-  view.solved.assign(3 * values, std::nanf(""));
-  view.solved_uncertainty.assign(values, std::nanf(""));
-  CorrectKeypoints(capture, correction.reading, view);
-  for (int t = 0; t < clip.count; ++t) {
-    const double time = correction.TimeOf(t);  // the dataset keeps the camera's own time
-    if (!(time >= 0.0 && time <= clip.count - 1.0)) continue;
-    const auto nearest = static_cast<std::size_t>(clip.first + static_cast<int>(std::lround(time)));
-    for (std::size_t j = 0; j < joints; ++j) {
-      const Eigen::Vector3d p = InCameraAt(solution.estimate, clip, time, v, static_cast<int>(j));
-      if (!p.cast<float>().allFinite()) continue;
-      const std::size_t i = static_cast<std::size_t>(t) * joints + j;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        view.solved[3 * i + axis] = static_cast<float>(p[static_cast<Eigen::Index>(axis)]);
-      }
-      view.solved_uncertainty[i] = uncertainty[nearest * joints + j];
-    }
-  }
-  WriteCameras(capture, solution.estimate, clip, v, correction.reading, view);
-}
-
-void WriteSolution(const CaptureObservations& capture, const Solution& solution, const CameraCheck& check,
-                   Dataset& dataset) {
-  std::vector<float> uncertainty;
-  for (int n = 0; n < capture.frame_count; ++n) {
-    for (int j = 0; j < capture.joint_count(); ++j) {
-      uncertainty.push_back(static_cast<float>(JointUncertainty(capture, n, j, solution)));
-    }
-  }
-  for (std::size_t c = 0; c < capture.clips.size(); ++c) {
-    const ClipRange& clip = capture.clips[c];
-    for (CameraView& view : dataset.sequences[clip.sequence].cameras) {
-      const int v = capture.FindView(view.name);
-      WriteView(capture, solution, uncertainty, clip, v, check.At(static_cast<int>(c), v), view);
-    }
-  }
-}
-
-/// For a capture that was not solved: NaN where poses would be.
-void WriteNothing(const CaptureObservations& capture, Dataset& dataset) {
-  for (const ClipRange& clip : capture.clips) {
-    for (CameraView& view : dataset.sequences[clip.sequence].cameras) {
-      view.solved.assign(3 * view.confidence.size(), std::nanf(""));
-      view.solved_uncertainty.assign(view.confidence.size(), std::nanf(""));
-    }
-  }
-}
-
 /// Throws, with the reason of each, where no capture was solved.
 void RequireOneSolved(const SolveReport& report) {
   std::string reasons;
@@ -291,9 +188,9 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
   const OneBlasThread one_thread;
   for (Sequence& sequence : dataset.sequences) {
     for (CameraView& view : sequence.cameras) {
-      view.solved.clear();
-      view.solved_uncertainty.clear();
+      view.solved = {};
       view.solved_calibration.clear();
+      view.time_offset_seconds = 0.0;
     }
   }
   std::vector<CaptureObservations> captures = CollectCaptures(dataset, start);

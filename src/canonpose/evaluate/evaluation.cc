@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/median.h"
 #include "canonpose/base/names.h"
 #include "canonpose/skeleton/mapping.h"
 
@@ -28,6 +29,25 @@ std::map<std::string, MeanErrors> MeanErrorsOf(const std::map<std::string, Metri
     errors[name] = {mean.n_mpjpe_mm, mean.p_mpjpe_mm};
   }
   return errors;
+}
+
+/// A joint whose error is so much larger than that of the others is probably another joint, or badly detected.
+constexpr double kOutstandingFactor = 5.0;
+constexpr double kSmallestOutstandingMm = 30.0;
+constexpr std::size_t kFewestJointsToCompare = 6;
+
+void WarnOfOutstandingJoints(EvaluationReport& report) {
+  if (report.per_joint.size() < kFewestJointsToCompare) return;
+  std::vector<double> errors_mm;
+  for (const auto& [name, errors] : report.per_joint) errors_mm.push_back(errors.p_mpjpe_mm);
+  const double usual_mm = Median(std::move(errors_mm));
+  for (const auto& [name, errors] : report.per_joint) {
+    if (errors.p_mpjpe_mm < std::max(kOutstandingFactor * usual_mm, kSmallestOutstandingMm)) continue;
+    report.warnings.push_back(fmt::format(
+        "{} is {:.0f} mm off after alignment, {:.0f} times as much as the joints' median of {:.0f} mm: is it the same "
+        "joint in both, and is it detected? `exclude_joints={}` leaves it out",
+        name, errors.p_mpjpe_mm, errors.p_mpjpe_mm / usual_mm, usual_mm, name));
+  }
 }
 
 }  // namespace
@@ -169,6 +189,7 @@ EvaluationReport Evaluation::Finish(const ReferenceKind& reference, const std::s
     const MeanErrors& errors = report.metrics.joints[j];
     if (!std::isnan(errors.n_mpjpe_mm)) report.per_joint.emplace_back(names_[j], errors);
   }
+  WarnOfOutstandingJoints(report);
   return report;
 }
 

@@ -10,7 +10,9 @@ Predictor ModelPoses(const PoseLifter& lifter) {
           [&](const Sequence& sequence, std::size_t camera) {
             LiftedPoses poses = lifter.Lift(sequence.cameras[camera], sequence.frame_count);
             return PredictedPoses{std::move(poses.pose_in_camera), std::move(poses.canonical)};
-          }};
+          },
+          false,
+          "train again with `mirror` flip, or with keep if `info` reports that it was flipped"};
 }
 
 }  // namespace canonpose

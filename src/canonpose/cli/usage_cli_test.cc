@@ -77,6 +77,16 @@ TEST(Usage, AnUnknownOptionIsNamedWithTheNearest) {
   ExpectMistake({"info"}, AllOf(HasSubstr("file is required"), HasSubstr("canonpose help info")));
 }
 
+TEST(Usage, ADecimalCommaIsAnsweredByThePoint) {
+  ExpectMistake({"lift", "run", "data.h5", "-o", "x.npz", "--height", "1,75"},
+                AllOf(HasSubstr("--height"), HasSubstr("write 1.75, with a point")));
+  ExpectMistake({"simulate", "-o", "x.h5", "--seconds", "2,5"}, HasSubstr("write 2.5, with a point"));
+  ExpectMistake({"train", "data.h5", "-o", "run", "--set", "learning_rate=0,001"},
+                AllOf(HasSubstr("learning_rate"), HasSubstr("write 0.001, with a point")));
+  ExpectMistake({"train", "data.h5", "-o", "run", "--epochs", "0"},
+                AllOf(HasSubstr("--epochs"), HasSubstr("1 or more")));
+}
+
 TEST(Usage, ASeedIsForWhereChancePlays) {
   for (const std::string command : {"simulate", "solve", "train", "train-morph"}) {
     EXPECT_THAT(Execute({command, "--help"}).output, HasSubstr("--seed")) << command;

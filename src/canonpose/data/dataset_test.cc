@@ -236,6 +236,21 @@ TEST(DatasetTest, ActionsMustBeNamed) {
               AllOf(HasSubstr("/sequences/walk/action"), HasSubstr("actions, which has 2, found 2")));
 }
 
+TEST(DatasetTest, FramesBeyondTheEndAreRefused) {
+  FrameRange::Parse("0-99").RequireLast(100, "a.h5");
+  FrameRange::Parse("50-").RequireLast(100, "a.h5");
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { FrameRange::Parse("10-500").RequireLast(100, "a.h5"); }),
+              AllOf(HasSubstr("a.h5: expected frames up to 500"), HasSubstr("`frames=10-99`")));
+}
+
+TEST(DatasetTest, NamesOfOtherKindsOfFilesAreRefused) {
+  for (const char* name : {"a.h5", "b/a.HDF5", "a", "take.1/a"}) RequireDatasetName(name);
+  for (const char* name : {"a.csv", "sol.json", "a.npz"}) {
+    EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { RequireDatasetName(name); }),
+                HasSubstr("HDF5 file; name it"));
+  }
+}
+
 TEST(DatasetTest, FrameRangesParse) {
   EXPECT_EQ(FrameRange::Parse("3-9").last, 9);
   EXPECT_EQ(FrameRange::Parse("3-").last, INT32_MAX);

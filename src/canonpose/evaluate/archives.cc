@@ -79,6 +79,7 @@ EvaluationReport EvaluateArchives(const fs::path& predictions, const fs::path& t
                    "give both the same poses and joints in the same order"});
   }
   const std::vector<std::string> joints = JointNames(predicted, true_poses, predictions);
+  options.frames.RequireLast(true_poses.frame_count, truth.string());
   const int last = std::min(options.frames.last, true_poses.frame_count - 1);
   if (options.frames.first > last) {
     ThrowBadInput({truth.string(), "", fmt::format("poses from {} on", options.frames.first),

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "canonpose/train/train_job.h"
+#include "canonpose/train/training_set.h"
 
 namespace canonpose {
 
@@ -11,7 +12,11 @@ namespace canonpose {
 /// cameras.
 std::string FingerprintOf(const Dataset& dataset, const TrainOptions& options);
 
-/// Throws Error(kBadInput) where the datasets have different joints, or none has what `options` learn from.
+/// Throws Error(kBadInput) where the datasets have different joints, none has what `options` learn from, or a recording
+/// is given twice.
 void RequireSuitableData(const TrainJob& job);
+
+/// Throws Error(kBadInput) where there are too few frames to learn anything from.
+void RequireEnoughFrames(const TrainJob& job, const TrainingSplit& split);
 
 }  // namespace canonpose

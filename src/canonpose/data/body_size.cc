@@ -58,9 +58,9 @@ std::optional<double> BodySize::Stature() const {
   return Median(statures_);
 }
 
-std::optional<LengthUnit> UnitOfStature(double stature) {
+std::optional<StatureUnit> UnitOfStature(double stature) {
   for (const auto& [name, mm] : {std::pair("millimetres", 1.0), {"centimetres", 10.0}, {"metres", 1000.0}}) {
-    if (stature * mm >= kMinStatureMm && stature * mm < kMaxStatureMm) return LengthUnit{name, mm};
+    if (stature * mm >= kMinStatureMm && stature * mm < kMaxStatureMm) return StatureUnit{name, mm};
   }
   return std::nullopt;
 }

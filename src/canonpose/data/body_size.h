@@ -35,7 +35,7 @@ class BodySize {
   std::vector<double> statures_;
 };
 
-struct LengthUnit {
+struct StatureUnit {
   std::string name;  ///< "metres"
   double mm = 1.0;   ///< millimetres per unit
 };
@@ -45,7 +45,7 @@ inline constexpr double kMinStatureMm = 500.0;
 inline constexpr double kMaxStatureMm = 2700.0;
 
 /// The one of millimetres, centimetres and metres in which `stature` is a person's; nothing where it is in none.
-std::optional<LengthUnit> UnitOfStature(double stature);
+std::optional<StatureUnit> UnitOfStature(double stature);
 
 /// "1.7 mm", "17.3 m": a length in millimetres, for messages.
 std::string DescribeLength(double mm);

@@ -16,11 +16,11 @@
 namespace canonpose {
 namespace {
 
-constexpr int kMeasuredFrames = 30;
+constexpr int kCalibrationFrames = 30;
 /// Other assignments are tried where the error is larger than this share of the image.
 constexpr double kSuspiciousError = 0.01;
 /// Another assignment is right where the error is that much smaller with it.
-constexpr double kClearlyBetter = 0.25;
+constexpr double kClearlySmaller = 0.25;
 constexpr std::size_t kMostCamerasForAllAssignments = 5;
 
 /// The calibration of view assignment[v] belongs to view v; only calibrated views take part.
@@ -35,11 +35,11 @@ std::vector<std::size_t> CalibratedViews(const Sequence& sequence) {
 }
 
 /// The median reprojection error over some frames. `poses_in_world`, where given, receives those frames' poses (J, 3).
-double ErrorOf(const Sequence& sequence, std::size_t joint_count, const std::vector<std::size_t>& views,
-               const Assignment& assignment, std::vector<float>* poses_in_world = nullptr) {
+double MedianError(const Sequence& sequence, std::size_t joint_count, const std::vector<std::size_t>& views,
+                   const Assignment& assignment, std::vector<float>* poses_in_world = nullptr) {
   std::vector<double> errors_px;
   std::vector<PointObservation> observations(views.size());
-  const int step = std::max(1, sequence.frame_count / kMeasuredFrames);
+  const int step = std::max(1, sequence.frame_count / kCalibrationFrames);
   for (int frame = 0; frame < sequence.frame_count; frame += step) {
     float* pose = nullptr;
     if (poses_in_world != nullptr) {
@@ -61,8 +61,8 @@ double ErrorOf(const Sequence& sequence, std::size_t joint_count, const std::vec
       const bool is_possible = point.valid() && point.in_front_of_all_cameras;
       errors_px.push_back(is_possible ? point.reprojection_error_px : std::numeric_limits<double>::infinity());
       if (!is_possible || pose == nullptr) continue;
-      for (Eigen::Index axis = 0; axis < 3; ++axis) pose[3 * j + static_cast<std::size_t>(axis)] =
-          static_cast<float>(point.point_in_world_mm[axis]);
+      for (Eigen::Index axis = 0; axis < 3; ++axis)
+        pose[3 * j + static_cast<std::size_t>(axis)] = static_cast<float>(point.point_in_world_mm[axis]);
     }
   }
   return Median(std::move(errors_px));
@@ -74,7 +74,7 @@ Assignment AsGiven(const std::vector<std::size_t>& views) {
   return assignment;
 }
 
-double ImageSize(const Sequence& sequence) {
+double LongerSide(const Sequence& sequence) {
   std::vector<double> sizes;
   for (const CameraView& view : sequence.cameras) sizes.push_back(std::max(view.image_size[0], view.image_size[1]));
   return Median(std::move(sizes));
@@ -86,7 +86,7 @@ std::pair<Assignment, double> FindAssignment(const Sequence& sequence, std::size
   Assignment best = AsGiven(views);
   double least = error_px;
   const auto consider = [&](const Assignment& assignment) {
-    const double error = ErrorOf(sequence, joint_count, views, assignment);
+    const double error = MedianError(sequence, joint_count, views, assignment);
     if (!(error < least)) return false;
     least = error;
     return true;
@@ -115,7 +115,7 @@ std::pair<Assignment, double> FindAssignment(const Sequence& sequence, std::size
   return {best, least};
 }
 
-std::string Pixels(double error_px) {
+std::string DescribeError(double error_px) {
   return std::isinf(error_px) ? "the person would be behind the cameras"
                               : fmt::format("keypoints are {:.0f} px off", error_px);
 }
@@ -133,12 +133,12 @@ void CheckUnitOfCalibration(Sequence& sequence, const Skeleton& skeleton, const 
                             std::set<std::string>& reported) {
   const std::vector<std::size_t> views = CalibratedViews(sequence);
   std::vector<float> poses;
-  ErrorOf(sequence, skeleton.joints.size(), views, AsGiven(views), &poses);
+  MedianError(sequence, skeleton.joints.size(), views, AsGiven(views), &poses);
   BodySize size(skeleton);
   size.Add(poses);
   const std::optional<double> stature = size.Stature();
   if (!stature) return;
-  const std::optional<LengthUnit> unit = UnitOfStature(*stature);
+  const std::optional<StatureUnit> unit = UnitOfStature(*stature);
   if (!unit) ThrowNobody(file, "calibration", *stature, "give the translations t of the cameras in millimetres");
   if (unit->mm == 1.0) return;
   if (reported.insert(unit->name).second) {
@@ -156,11 +156,11 @@ CalibrationFit MeasureCalibration(const Sequence& sequence, int joint_count) {
   CalibrationFit fit;
   const std::vector<std::size_t> views = CalibratedViews(sequence);
   const auto joints = static_cast<std::size_t>(joint_count);
-  fit.error_px = ErrorOf(sequence, joints, views, AsGiven(views));
-  fit.image_px = ImageSize(sequence);
+  fit.error_px = MedianError(sequence, joints, views, AsGiven(views));
+  fit.image_px = LongerSide(sequence);
   if (!(fit.error_px > kSuspiciousError * fit.image_px)) return fit;
   const auto [assignment, error_px] = FindAssignment(sequence, joints, views, fit.error_px);
-  if (!(error_px < kClearlyBetter * fit.error_px) || error_px > kSuspiciousError * fit.image_px) return fit;
+  if (!(error_px < kClearlySmaller * fit.error_px) || error_px > kSuspiciousError * fit.image_px) return fit;
   fit.corrected_px = error_px;
   for (std::size_t v = 0; v < views.size(); ++v) {
     if (assignment[v] == v) continue;
@@ -193,8 +193,8 @@ bool CheckCalibration(Dataset& dataset, const std::string& file) {
     const CalibrationFit fit = MeasureCalibration(sequence, dataset.skeleton.joint_count());
     if (!fit.interchanged.empty()) {
       ThrowBadInput({file, "calibration", "every camera's own calibration",
-                     fmt::format("{} ({}; {:.1f} px the other way)", DescribeInterchange(fit), Pixels(fit.error_px),
-                                 fit.corrected_px),
+                     fmt::format("{} ({}; {:.1f} px the other way)", DescribeInterchange(fit),
+                                 DescribeError(fit.error_px), fit.corrected_px),
                      "give every camera its own: exchange the names in the calibration, then import"});
     }
     if (!fit.fits()) {
@@ -212,7 +212,7 @@ bool CheckCalibration(Dataset& dataset, const std::string& file) {
   LogWarning(
       "{}: the calibration does not fit the keypoints of {} ({}): it is not that of these cameras, or the cameras are "
       "not synchronised; figures that it gives mean nothing",
-      file, worst_sequence, Pixels(worst_fit.error_px));
+      file, worst_sequence, DescribeError(worst_fit.error_px));
   return false;
 }
 
@@ -223,7 +223,7 @@ void CheckUnitOfTruth(Dataset& dataset, const std::string& file) {
   }
   const std::optional<double> stature = size.Stature();
   if (!stature) return;
-  const std::optional<LengthUnit> unit = UnitOfStature(*stature);
+  const std::optional<StatureUnit> unit = UnitOfStature(*stature);
   if (!unit) ThrowNobody(file, "truth", *stature, "give the truth in millimetres");
   if (unit->mm == 1.0) return;
   LogWarning("{}: the truth is in {}, as the person would be {} tall otherwise; it is read as such", file, unit->name,

@@ -17,15 +17,15 @@
 namespace canonpose {
 namespace {
 
-constexpr int kMeasuredFrames = 60;
-constexpr std::size_t kFewestJoints = 5;
+constexpr int kTruthFrames = 60;
+constexpr std::size_t kFewestComparedJoints = 5;
 constexpr int kFitIterations = 8;
 /// Truth in the camera's frame is far below this: detectors err by a few percent, and without the distance of the
 /// person, so that perspective cannot be computed, the misfit is up to 0.2.
 constexpr double kContradicts = 0.4;
 /// Another frame is believed where the misfit in it is small, and that much smaller.
 constexpr double kFits = 0.2;
-constexpr double kClearlyBetter = 0.4;
+constexpr double kMuchBetter = 0.4;
 /// A person away from the image centre looks rotated by up to half the field of view.
 constexpr double kSmallestRotationDeg = 40.0;
 
@@ -48,7 +48,7 @@ std::optional<Observed> Observe(const CameraView& view, int frame, const Skeleto
       seen.push_back(j);
     }
   }
-  if (seen.size() < kFewestJoints || static_cast<int>(seen.front()) != skeleton.root) return std::nullopt;
+  if (seen.size() < kFewestComparedJoints || static_cast<int>(seen.front()) != skeleton.root) return std::nullopt;
   Observed observed{Eigen::Matrix2Xd(2, seen.size()), Eigen::Matrix3Xd(3, seen.size()), frame};
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const float* pixel = &view.keypoints[2 * (offset + seen[i])];
@@ -113,27 +113,28 @@ Eigen::Matrix3d FitRotation(const std::vector<Observed>& frames) {
 }
 
 bool IsBelieved(double misfit, double other) {
-  return misfit > kContradicts && other < kFits && other < kClearlyBetter * misfit;
+  return misfit > kContradicts && other < kFits && other < kMuchBetter * misfit;
 }
 
 }  // namespace
 
 bool TruthFrame::is_in_world() const { return IsBelieved(misfit, misfit_from_world); }
 
-bool TruthFrame::is_rotated() const { return IsBelieved(misfit, misfit_rotated) && rotation_deg > kSmallestRotationDeg; }
+bool TruthFrame::is_rotated() const {
+  return IsBelieved(misfit, misfit_rotated) && rotation_deg > kSmallestRotationDeg;
+}
 
 TruthFrame MeasureTruthFrame(const CameraView& view, int frame_count, const Skeleton& skeleton) {
-  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  TruthFrame result{kUnknown, kUnknown, kUnknown, 0.0};
+  constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+  TruthFrame result{kNotMeasured, kNotMeasured, kNotMeasured, 0.0};
   if (view.truth.empty()) return result;
   std::vector<Observed> frames;
-  const int step = std::max(1, frame_count / kMeasuredFrames);
+  const int step = std::max(1, frame_count / kTruthFrames);
   for (int frame = 0; frame < frame_count; frame += step) {
     if (const std::optional<Observed> observed = Observe(view, frame, skeleton)) frames.push_back(*observed);
   }
   if (frames.empty()) return result;
-  result.misfit =
-      MedianMisfit(frames, [](const Observed& frame) { return MisfitInCamera(frame.pixels, frame.truth); });
+  result.misfit = MedianMisfit(frames, [](const Observed& frame) { return MisfitInCamera(frame.pixels, frame.truth); });
   if (!view.calibration.empty()) {
     result.misfit_from_world = MedianMisfit(frames, [&](const Observed& frame) {
       const Camera& camera = view.CalibrationAt(frame.frame);
@@ -154,12 +155,13 @@ void RequireTruthInCameraFrame(const Dataset& dataset, const std::string& file) 
     for (const CameraView& view : sequence.cameras) {
       const TruthFrame frame = MeasureTruthFrame(view, sequence.frame_count, dataset.skeleton);
       if (!frame.is_in_world() && !frame.is_rotated()) continue;
-      ThrowBadInput({file, fmt::format("/sequences/{}/cameras/{}/truth", sequence.name, view.name),
-                     "poses in the camera's frame (x right, y down, z forward)",
-                     frame.is_in_world() ? "poses in the world's, by the keypoints and the calibration"
-                                         : fmt::format("poses in one that is rotated by {:.0f} degrees, by the keypoints",
-                                                       frame.rotation_deg),
-                     "write R x + t of the camera instead of x"});
+      ThrowBadInput(
+          {file, fmt::format("/sequences/{}/cameras/{}/truth", sequence.name, view.name),
+           "poses in the camera's frame (x right, y down, z forward)",
+           frame.is_in_world()
+               ? "poses in the world's, by the keypoints and the calibration"
+               : fmt::format("poses in one that is rotated by {:.0f} degrees, by the keypoints", frame.rotation_deg),
+           "write R x + t of the camera instead of x"});
     }
   }
 }

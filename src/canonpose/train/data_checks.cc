@@ -41,6 +41,14 @@ bool AnyView(const TrainJob& job, Predicate predicate) {
   });
 }
 
+[[noreturn]] void ThrowTooFewFrames(const TrainJob& job, std::size_t frames, int left_out) {
+  ThrowBadInput(
+      {fmt::format("{}", fmt::join(job.data_files, ", ")), "",
+       fmt::format("at least {} frames to train on", kFewestFrames),
+       left_out > 0 ? fmt::format("{}, and {} that too few cameras see", frames, left_out) : fmt::format("{}", frames),
+       "record more: a minute of varied movement is a good start"});
+}
+
 /// Learning from other views needs some.
 void RequireViews(const TrainJob& job) {
   if (std::ranges::any_of(job.datasets, [](const Dataset& dataset) {
@@ -110,19 +118,21 @@ void RequireSuitableData(const TrainJob& job) {
   }
   RequireTarget(job);
   if (TargetOf(job.options.supervision) == TrainingTarget::kViews) RequireViews(job);
+  RequireRecordings(job);
+}
+
+void RequireRecordings(const TrainJob& job) {
+  std::size_t frames = 0;
+  for (const Dataset& dataset : job.datasets) {
+    for (const Sequence& sequence : dataset.sequences) frames += static_cast<std::size_t>(sequence.frame_count);
+  }
+  if (frames < kFewestFrames) ThrowTooFewFrames(job, frames, 0);
   RequireDistinctRecordings(job.datasets, job.data_files);
 }
 
 void RequireEnoughFrames(const TrainJob& job, const TrainingSplit& split) {
   const std::size_t frames = split.training.frames.size();
-  if (frames >= kFewestFrames) return;
-  ThrowBadInput({fmt::format("{}", fmt::join(job.data_files, ", ")), "",
-                 fmt::format("at least {} frames to train on", kFewestFrames),
-                 fmt::format("{}{}", frames,
-                             split.frames_left_out > 0
-                                 ? fmt::format("; {} more are seen by too few cameras", split.frames_left_out)
-                                 : ""),
-                 "record more: a minute of varied movement is a good start"});
+  if (frames < kFewestFrames) ThrowTooFewFrames(job, frames, split.frames_left_out);
 }
 
 }  // namespace canonpose

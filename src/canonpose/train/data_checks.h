@@ -16,7 +16,11 @@ std::string FingerprintOf(const Dataset& dataset, const TrainOptions& options);
 /// is given twice.
 void RequireSuitableData(const TrainJob& job);
 
-/// Throws Error(kBadInput) where there are too few frames to learn anything from.
+/// The part of RequireSuitableData() that needs no 3D poses, to be called before they are solved: throws where there
+/// are hardly any frames, or a recording is given twice.
+void RequireRecordings(const TrainJob& job);
+
+/// Throws Error(kBadInput) where there are too few usable frames to learn anything from.
 void RequireEnoughFrames(const TrainJob& job, const TrainingSplit& split);
 
 }  // namespace canonpose

@@ -17,10 +17,15 @@ namespace canonpose {
 namespace {
 
 constexpr int kCalibrationFrames = 30;
-/// Other assignments are tried where the error is larger than this share of the image.
-constexpr double kSuspiciousError = 0.01;
-/// Another assignment is right where the error is that much smaller with it.
-constexpr double kClearlySmaller = 0.25;
+/// Other assignments are tried where the error is larger than this share of the image: one that exact keypoints would
+/// not have.
+constexpr double kSuspiciousError = 0.002;
+/// Another assignment is right where the error is that much smaller with it. Where the given one is right, no other is
+/// better at all; but two cameras of the same height contradict each other little whichever is which.
+constexpr double kClearlySmaller = 0.5;
+constexpr double kClearlySmallerOfTwo = 0.25;
+/// A calibration with a larger error, as a share of the image, is not that of the recording.
+constexpr double kLargestError = 0.02;
 constexpr std::size_t kMostCamerasForAllAssignments = 5;
 
 /// The calibration of view assignment[v] belongs to view v; only calibrated views take part.
@@ -152,6 +157,8 @@ void CheckUnitOfCalibration(Sequence& sequence, const Skeleton& skeleton, const 
 
 }  // namespace
 
+bool CalibrationFit::fits() const { return !(error_px > kLargestError * image_px); }
+
 CalibrationFit MeasureCalibration(const Sequence& sequence, int joint_count) {
   CalibrationFit fit;
   const std::vector<std::size_t> views = CalibratedViews(sequence);
@@ -160,7 +167,8 @@ CalibrationFit MeasureCalibration(const Sequence& sequence, int joint_count) {
   fit.image_px = LongerSide(sequence);
   if (!(fit.error_px > kSuspiciousError * fit.image_px)) return fit;
   const auto [assignment, error_px] = FindAssignment(sequence, joints, views, fit.error_px);
-  if (!(error_px < kClearlySmaller * fit.error_px) || error_px > kSuspiciousError * fit.image_px) return fit;
+  const double wanted_px = (views.size() == 2 ? kClearlySmallerOfTwo : kClearlySmaller) * fit.error_px;
+  if (!(error_px < wanted_px) || error_px > kLargestError * fit.image_px) return fit;
   fit.corrected_px = error_px;
   for (std::size_t v = 0; v < views.size(); ++v) {
     if (assignment[v] == v) continue;

@@ -25,7 +25,7 @@ struct CalibrationFit {
   double corrected_px = 0.0;  ///< the error with that assignment
 
   /// A calibrated recording is off by about 0.5 % of the image, by up to 1 % with a poor detector or lens model.
-  [[nodiscard]] bool fits() const { return !(error_px > 0.02 * image_px); }
+  [[nodiscard]] bool fits() const;
 };
 
 /// Measures some frames of a sequence. Where the error is large, other assignments are tried: all of them for up to

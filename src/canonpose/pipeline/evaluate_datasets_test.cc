@@ -150,7 +150,9 @@ TEST_F(EvaluateDatasetsTest, TruthInAnotherFrameIsRefused) {
 }
 
 TEST_F(EvaluateDatasetsTest, ABenchmarksProtocolOnOtherDataIsWarnedOf) {
-  DatasetEvaluation job = Job(SmallCapture());
+  Dataset dataset = SmallCapture();
+  dataset.source.format = "simulated";
+  DatasetEvaluation job = Job(dataset);
   job.protocol = FindProtocol("skipose");
   EXPECT_THAT(EvaluateDatasets(job, PerfectPoses()).warnings,
               ElementsAre(AllOf(HasSubstr("the protocol of Ski-PosePTZ"), HasSubstr("simulated"))));

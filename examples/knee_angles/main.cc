@@ -11,7 +11,7 @@
 
 namespace {
 
-using Pose = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>;
+using Pose = Eigen::Map<const canonpose::PoseSequence::Pose>;
 
 /// Degrees that the joint between two limbs is away from straight; NaN where a joint is unknown.
 double BendDeg(const Pose& pose, int above, int joint, int below) {
@@ -30,8 +30,7 @@ void PrintKneeAngles(const canonpose::Dataset& dataset) {
     for (int frame = 0; frame < sequence.frame_count; ++frame) {
       std::cout << sequence.name << ' ' << frame;
       for (const canonpose::CameraView& view : sequence.cameras) {
-        const Pose pose(view.solved.data() + 3 * frame * skeleton.joint_count(), skeleton.joint_count(), 3);
-        std::cout << ' ' << BendDeg(pose, hip, knee, ankle);
+        std::cout << ' ' << BendDeg(view.solved.PoseAt(frame), hip, knee, ankle);
       }
       std::cout << '\n';
     }

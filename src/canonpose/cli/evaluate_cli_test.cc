@@ -133,7 +133,7 @@ TEST(EvaluateProgram, WhatAProtocolMissesIsWarnedOf) {
               HasSubstr("the data have no truth of S11"));
   dataset = ReadDataset(whole);
   for (Sequence& sequence : dataset.sequences) {
-    if (sequence.subject == "S9") sequence.cameras.front().truth.clear();
+    if (sequence.subject == "S9") sequence.cameras.front().truth = {};
   }
   WriteDataset(folder / "less.h5", dataset);
   EXPECT_THAT(Evaluated({folder / "less.h5", "--protocol", "h36m-1"})["warnings"].dump(),
@@ -202,7 +202,7 @@ TEST(EvaluateProgram, TriangulationNeedsTruthAndCalibration) {
   EXPECT_EQ(report["missing_predictions"], 0);
   EXPECT_EQ(report["reference"], "truth");
   Dataset dataset = ReadDataset(exact);
-  for (CameraView& view : dataset.sequences.front().cameras) view.truth.clear();
+  for (CameraView& view : dataset.sequences.front().cameras) view.truth = {};
   WriteDataset(folder / "blind.h5", dataset);
   ExpectBadInput({"evaluate", "--triangulate", folder / "blind.h5"}, HasSubstr("truth"));
 }

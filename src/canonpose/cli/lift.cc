@@ -117,24 +117,17 @@ void RunLift(const LiftArguments& arguments) {
   const PoseLifter lifter = PoseLifter::Open(arguments.model, arguments.device);
   LiftInput input = is_dataset ? FromDataset(arguments, lifter) : FromDetections(arguments, lifter);
   LiftedPoses lifted = lifter.Lift(input.view, static_cast<int>(input.frames.size()));
-  if (arguments.height_m) ScaleToHeight(lifted, lifter.skeleton(), 1000.0 * *arguments.height_m);
-  if (arguments.smooth_frames) Smooth(lifted, input.frames, *arguments.smooth_frames);
-
-  LiftOutput output;
-  output.pose3d = std::move(lifted.pose_in_camera);
-  output.canonical = std::move(lifted.canonical);
-  output.rotation = std::move(lifted.rotation);
-  output.joints = lifter.skeleton().joints;
-  output.frames = std::move(input.frames);
-  output.units = arguments.height_m ? "mm" : "network units";
-  output.fps = input.fps;
-  WriteLiftOutput(arguments.output, output);
+  lifted.frames = std::move(input.frames);
+  lifted.pose_in_camera.fps = lifted.canonical.fps = input.fps;
+  if (arguments.height_m) ScaleToHeight(lifted, 1000.0 * *arguments.height_m);
+  if (arguments.smooth_frames) Smooth(lifted, *arguments.smooth_frames);
+  WriteLiftOutput(arguments.output, lifted);
 
   long missing = 0;
-  for (std::size_t t = 0; t < output.frames.size(); ++t) missing += std::isnan(output.rotation[9 * t]) ? 1 : 0;
+  for (std::size_t t = 0; t < lifted.frames.size(); ++t) missing += std::isnan(lifted.rotation[9 * t]) ? 1 : 0;
   LogInfo("{}: {} poses of {} in {}{}", arguments.output.string(),
-          output.frames.size() - static_cast<std::size_t>(missing),
-          input.view.name.empty() ? arguments.input.string() : input.view.name, output.units,
+          lifted.frames.size() - static_cast<std::size_t>(missing),
+          input.view.name.empty() ? arguments.input.string() : input.view.name, UnitsInFile(lifted),
           missing > 0 ? fmt::format("; {} frames without a usable 2D pose are left empty", missing) : "");
 }
 

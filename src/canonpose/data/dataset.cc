@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,10 +14,6 @@
 
 namespace canonpose {
 namespace {
-
-bool AnyFinite(const std::vector<float>& values) {
-  return std::any_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
-}
 
 template <typename Predicate>
 bool AnyView(const Dataset& dataset, Predicate predicate) {
@@ -56,12 +53,21 @@ std::optional<int> ParseFrame(std::string_view text) {
 
 }  // namespace
 
+PoseSequence TruthPoses(const Skeleton& skeleton, std::vector<float> positions, const std::string& camera) {
+  return PosesInCamera(skeleton, std::move(positions), LengthUnit::kMillimetres, camera);
+}
+
+bool LacksUncertainty(const PoseSequence& solved) {
+  return solved.AnyKnown() &&
+         std::ranges::none_of(solved.standard_deviation(), [](float s) { return std::isfinite(s); });
+}
+
 bool Dataset::HasTruth() const {
-  return AnyView(*this, [](const CameraView& view) { return AnyFinite(view.truth); });
+  return AnyView(*this, [](const CameraView& view) { return view.truth.AnyKnown(); });
 }
 
 bool Dataset::HasSolved() const {
-  return AnyView(*this, [](const CameraView& view) { return AnyFinite(view.solved); });
+  return AnyView(*this, [](const CameraView& view) { return view.solved.AnyKnown(); });
 }
 
 bool Dataset::HasCalibration() const {
@@ -120,9 +126,8 @@ void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& fi
     for (CameraView& view : sequence.cameras) {
       KeepRows(view.keypoints, sequence.frame_count, range.first, last);
       KeepRows(view.confidence, sequence.frame_count, range.first, last);
-      KeepRows(view.truth, sequence.frame_count, range.first, last);
-      KeepRows(view.solved, sequence.frame_count, range.first, last);
-      KeepRows(view.solved_uncertainty, sequence.frame_count, range.first, last);
+      view.truth.KeepFrames(range.first, last);
+      view.solved.KeepFrames(range.first, last);
       if (view.solved_calibration.size() > 1) {
         KeepRows(view.solved_calibration, sequence.frame_count, range.first, last);
       }

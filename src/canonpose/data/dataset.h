@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "canonpose/geometry/camera.h"
+#include "canonpose/scene/pose_sequence.h"
 #include "canonpose/skeleton/skeleton.h"
 
 namespace canonpose {
@@ -19,11 +20,10 @@ struct CameraView {
   std::array<int, 2> image_size{0, 0};  ///< width, height in pixels
   std::vector<float> keypoints;         ///< (T, J, 2) pixels, origin top left; NaN where not detected
   std::vector<float> confidence;        ///< (T, J) 0..1; 0 where not detected
-  std::vector<float> truth;   ///< (T, J, 3) mm, camera frame; empty where the file has none, NaN where unknown
-  std::vector<float> solved;  ///< (T, J, 3) camera frame, in one arbitrary unit; empty or NaN likewise
-  /// (T, J) uncertainty of a solved joint: the standard deviation in the most uncertain direction, in the unit of
-  /// `solved`; empty, or NaN where not solved.
-  std::vector<float> solved_uncertainty;
+  /// Poses in the frame of this camera; empty where there are none. Their fps and the person's name are left to the
+  /// Sequence.
+  PoseSequence truth;   ///< in millimetres
+  PoseSequence solved;  ///< as `solve` finds them: in body lengths, with uncertainties
   /// The cameras that `solve` found, one or T as in `calibration`. Their translations are in the unit of `solved`, not
   /// millimetres: `solved` in camera c is R_c x_in_world + t_c, and K projects it to pixels. Empty where there are
   /// none.
@@ -40,6 +40,12 @@ struct CameraView {
                                           : solved_calibration[static_cast<std::size_t>(frame)];
   }
 };
+
+/// Poses (T, J, 3) in millimetres in the frame of `camera`, for CameraView::truth; none where there are no positions.
+PoseSequence TruthPoses(const Skeleton& skeleton, std::vector<float> positions, const std::string& camera);
+
+/// Whether joints of CameraView::solved are known, but the uncertainty of none of them.
+bool LacksUncertainty(const PoseSequence& solved);
 
 /// T synchronised frames of one person from the same cameras.
 struct Sequence {

@@ -85,6 +85,24 @@ std::vector<float> ReadArray(const h5::Group& group, const std::string& name, co
   return group.Read<float>(name).values;
 }
 
+/// What there is of uncertainties and confidences of solved joints.
+void ReadSolvedDetails(const h5::Group& group, const Place& place, PoseSequence& solved) {
+  const auto joints = static_cast<std::size_t>(solved.joint_count());
+  const std::vector<std::size_t> shape = {static_cast<std::size_t>(solved.frame_count()), joints};
+  if (group.Has("solved_uncertainty")) {
+    solved.standard_deviation() = ReadArray(group, "solved_uncertainty", shape, "frames, joints");
+  }
+  if (!group.Has("solved_confidence")) return;
+  const std::vector<float> confidence = ReadArray(group, "solved_confidence", shape, "frames, joints");
+  for (std::size_t i = 0; i < confidence.size(); ++i) {
+    if (!(confidence[i] >= 0.0F && confidence[i] <= 1.0F)) {
+      place.Fail("solved_confidence", i / joints, i % joints, "a number from 0 to 1", confidence[i],
+                 "write 1 where nothing is known against a solved joint");
+    }
+    if (solved.confidence()[i] > 0.0F) solved.confidence()[i] = confidence[i];  // a missing joint keeps its 0
+  }
+}
+
 /// frame_count is that of the previous cameras, -1 for the first.
 CameraView ReadCamera(const h5::Group& group, const std::string& name, const Skeleton& skeleton, int* frame_count) {
   CameraView view;
@@ -115,14 +133,15 @@ CameraView ReadCamera(const h5::Group& group, const std::string& name, const Ske
   const std::vector<std::size_t> pose_shape = {shape[0], joints, 3};
   const Place place{group.file(), group.path(), &skeleton};
   CheckKeypoints(view, place);
-  for (auto& [array, values] : {std::pair("truth", &view.truth), std::pair("solved", &view.solved)}) {
-    if (!group.Has(array)) continue;
-    *values = ReadArray(group, array, pose_shape, "frames, joints, x y z");
-    CheckPoses(*values, array, place);
-  }
-  if (group.Has("solved_uncertainty")) {
-    view.solved_uncertainty = ReadArray(group, "solved_uncertainty", {shape[0], joints}, "frames, joints");
-  }
+  const auto read_poses = [&](const std::string& array, LengthUnit unit) -> PoseSequence {
+    if (!group.Has(array)) return {};
+    std::vector<float> positions = ReadArray(group, array, pose_shape, "frames, joints, x y z");
+    CheckPoses(positions, array, place);
+    return PosesInCamera(skeleton, std::move(positions), unit, name);
+  };
+  view.truth = read_poses("truth", LengthUnit::kMillimetres);
+  view.solved = read_poses("solved", LengthUnit::kBodyLengths);
+  if (!view.solved.empty()) ReadSolvedDetails(group, place, view.solved);
   view.calibration = ReadCameras(group, frames);
   view.solved_calibration = ReadCameras(group, frames, "solved_");
   return view;
@@ -219,6 +238,21 @@ template <typename T>
 void Write(h5::Group& group, const std::string& name, const std::vector<T>& values,
            const std::vector<std::size_t>& shape) {
   group.Write<T>(name, std::span<const T>(values), shape);
+}
+
+/// Writes uncertainties, and confidences where they say more than which joints are known.
+void WriteSolvedDetails(h5::Group& camera, const PoseSequence& solved) {
+  const std::vector<std::size_t> shape = {static_cast<std::size_t>(solved.frame_count()),
+                                          static_cast<std::size_t>(solved.joint_count())};
+  if (!LacksUncertainty(solved)) Write(camera, "solved_uncertainty", solved.standard_deviation(), shape);
+  PoseSequence trusted = solved;
+  trusted.TrustKnownJoints();
+  std::vector<float> confidence = solved.confidence();
+  // What is written for a missing joint is 0, whatever its confidence was.
+  for (std::size_t i = 0; i < confidence.size(); ++i) {
+    if (trusted.confidence()[i] == 0.0F) confidence[i] = 0.0F;
+  }
+  if (confidence != trusted.confidence()) Write(camera, "solved_confidence", confidence, shape);
 }
 
 /// Names become names of groups in the file, so some cannot be used.
@@ -330,17 +364,14 @@ void DatasetWriter::Add(const Sequence& sequence) {
     camera.SetInts("image_size", {view.image_size[0], view.image_size[1]});
     Write(camera, "keypoints", view.keypoints, {frames, joints, 2});
     Write(camera, "confidence", view.confidence, {frames, joints});
-    for (const auto& [array, values] : {std::pair("truth", &view.truth), std::pair("solved", &view.solved)}) {
-      if (values->empty()) continue;
-      CANONPOSE_CHECK(values->size() == frames * joints * 3, "{} values for {} frames", values->size(), frames);
-      CheckPoses(*values, array, place);
-      Write(camera, array, *values, {frames, joints, 3});
+    for (const auto& [array, poses] : {std::pair("truth", &view.truth), std::pair("solved", &view.solved)}) {
+      if (poses->empty()) continue;
+      CANONPOSE_CHECK(poses->positions().size() == frames * joints * 3, "{} values for {} frames",
+                      poses->positions().size(), frames);
+      CheckPoses(poses->positions(), array, place);
+      Write(camera, array, poses->positions(), {frames, joints, 3});
     }
-    if (!view.solved_uncertainty.empty()) {
-      CANONPOSE_CHECK(view.solved_uncertainty.size() == frames * joints, "{} values for {} frames",
-                      view.solved_uncertainty.size(), frames);
-      Write(camera, "solved_uncertainty", view.solved_uncertainty, {frames, joints});
-    }
+    if (!view.solved.empty()) WriteSolvedDetails(camera, view.solved);
     WriteCameras(camera, view.calibration);
     WriteCameras(camera, view.solved_calibration, "solved_");
   }

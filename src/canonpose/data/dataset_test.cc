@@ -1,5 +1,6 @@
 #include "canonpose/data/dataset.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -29,12 +30,14 @@ CameraView ViewOf(const std::string& name, int frames) {
   CameraView view;
   view.name = name;
   view.image_size = {1920, 1080};
+  std::vector<float> truth;
   for (int i = 0; i < frames * 3; ++i) {
     view.keypoints.push_back(static_cast<float>(i));
     view.keypoints.push_back(static_cast<float>(2 * i));
     view.confidence.push_back(0.5F);
-    for (int axis = 0; axis < 3; ++axis) view.truth.push_back(static_cast<float>(10 * i + axis));
+    for (int axis = 0; axis < 3; ++axis) truth.push_back(static_cast<float>(10 * i + axis));
   }
+  view.truth = TruthPoses(Stick(), truth, name);
   return view;
 }
 
@@ -56,10 +59,11 @@ Dataset Sample() {
   walk.action = {0, 0, 1, 1};
   walk.truth_kind = "univ_annot3";
   Sequence run{"run", "S1", 25.0, false, "run", 2, {ViewOf("c1", 2)}};
-  run.cameras[0].truth.clear();
-  run.cameras[0].solved.assign(18, 1.5F);
-  run.cameras[0].solved_uncertainty.assign(6, 0.25F);
-  run.cameras[0].solved_uncertainty[3] = kNaN;
+  run.cameras[0].truth = {};
+  PoseSequence& solved = run.cameras[0].solved;
+  solved = PosesInCamera(Stick(), std::vector<float>(18, 1.5F), LengthUnit::kBodyLengths, "c1");
+  solved.standard_deviation().assign(6, 0.25F);
+  solved.standard_deviation()[3] = kNaN;
   run.cameras[0].solved_calibration = {fixed};
   for (int frame = 0; frame < 2; ++frame) {
     Camera moving = fixed;
@@ -75,6 +79,16 @@ Dataset Sample() {
 void ExpectSameValues(const std::vector<float>& a, const std::vector<float>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) EXPECT_TRUE(a[i] == b[i] || (std::isnan(a[i]) && std::isnan(b[i]))) << i;
+}
+
+void ExpectSamePoses(const PoseSequence& a, const PoseSequence& b) {
+  EXPECT_EQ(a.frame_count(), b.frame_count());
+  EXPECT_EQ(a.joint_count(), b.joint_count());
+  EXPECT_EQ(a.unit, b.unit);
+  EXPECT_EQ(a.coordinate_frame, b.coordinate_frame);
+  EXPECT_EQ(a.confidence(), b.confidence());
+  ExpectSameValues(a.positions(), b.positions());
+  ExpectSameValues(a.standard_deviation(), b.standard_deviation());
 }
 
 void ExpectSameCameras(const std::vector<Camera>& a, const std::vector<Camera>& b) {
@@ -118,9 +132,8 @@ TEST(DatasetTest, RoundTripKeepsEverything) {
       EXPECT_EQ(a.cameras[c].image_size, b.cameras[c].image_size);
       ExpectSameValues(a.cameras[c].keypoints, b.cameras[c].keypoints);
       ExpectSameValues(a.cameras[c].confidence, b.cameras[c].confidence);
-      ExpectSameValues(a.cameras[c].truth, b.cameras[c].truth);
-      ExpectSameValues(a.cameras[c].solved, b.cameras[c].solved);
-      ExpectSameValues(a.cameras[c].solved_uncertainty, b.cameras[c].solved_uncertainty);
+      ExpectSamePoses(a.cameras[c].truth, b.cameras[c].truth);
+      ExpectSamePoses(a.cameras[c].solved, b.cameras[c].solved);
       ExpectSameCameras(a.cameras[c].calibration, b.cameras[c].calibration);
       ExpectSameCameras(a.cameras[c].solved_calibration, b.cameras[c].solved_calibration);
     }
@@ -141,8 +154,8 @@ TEST(DatasetTest, ReportsWhatItContains) {
   EXPECT_TRUE(dataset.HasCalibration());
   for (Sequence& sequence : dataset.sequences) {
     for (CameraView& view : sequence.cameras) {
-      std::fill(view.truth.begin(), view.truth.end(), kNaN);
-      view.solved.clear();
+      std::ranges::fill(view.truth.positions(), kNaN);
+      view.solved = {};
       view.calibration.clear();
     }
   }
@@ -160,7 +173,7 @@ TEST(DatasetTest, FingerprintCoversWhatTrainingUses) {
   dataset.skeleton.joints[2] = "RightKnee";
   EXPECT_NE(dataset.Fingerprint(), before);
   dataset = Sample();
-  dataset.sequences[1].cameras[0].truth.clear();
+  dataset.sequences[1].cameras[0].truth = {};
   EXPECT_EQ(dataset.Fingerprint(), before);
 }
 
@@ -196,14 +209,52 @@ TEST(DatasetTest, AKeypointMissingInOneArrayIsMissingInBoth) {
   CameraView& view = dataset.sequences[0].cameras[0];
   view.keypoints[1] = kNaN;   // joint 0: one coordinate is enough
   view.confidence[2] = 0.0F;  // joint 2: a pixel without confidence
-  view.solved[4] = kNaN;
+  view.solved.positions()[4] = kNaN;
   WriteDataset(folder / "a.h5", dataset);
   const Dataset dataset_read = ReadDataset(folder / "a.h5");
   const CameraView& read = dataset_read.sequences[0].cameras[0];
   EXPECT_TRUE(std::isnan(read.keypoints[0]));
   EXPECT_EQ(read.confidence[0], 0.0F);
   EXPECT_TRUE(std::isnan(read.keypoints[4]));
-  EXPECT_TRUE(std::isnan(read.solved[3]) && std::isnan(read.solved[5]));
+  EXPECT_TRUE(std::isnan(read.solved.positions()[3]) && std::isnan(read.solved.positions()[5]));
+  EXPECT_EQ(read.solved.confidence(), (std::vector<float>{1, 0, 1, 1, 1, 1}));
+}
+
+h5::Group SolvedView(h5::File& file) { return file.root().Open("sequences").Open("run").Open("cameras").Open("c1"); }
+
+TEST(DatasetTest, ConfidencesOfSolvedJointsAreWrittenOnlyIfTheySaySomething) {
+  const TemporaryFolder folder;
+  Dataset dataset = Sample();
+  PoseSequence& solved = dataset.sequences[0].cameras[0].solved;
+  solved.positions()[3] = kNaN;
+  WriteDataset(folder / "a.h5", dataset);
+  h5::File plain = h5::File::OpenForReading(folder / "a.h5");
+  EXPECT_TRUE(SolvedView(plain).Has("solved_uncertainty"));
+  EXPECT_FALSE(SolvedView(plain).Has("solved_confidence"));
+
+  solved.confidence()[2] = 0.25F;
+  WriteDataset(folder / "b.h5", dataset);
+  EXPECT_EQ(ReadDataset(folder / "b.h5").sequences[0].cameras[0].solved.confidence(),
+            (std::vector<float>{1, 0, 0.25F, 1, 1, 1}));
+  solved.confidence()[2] = 1.5F;
+  WriteDataset(folder / "c.h5", dataset);
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadDataset(folder / "c.h5"); }),
+              HasSubstr("/c1/solved_confidence, frame 0, joint RKnee: expected a number from 0 to 1, found 1.5"));
+}
+
+TEST(DatasetTest, UncertaintiesAreNotWrittenWhereThereAreNone) {
+  const TemporaryFolder folder;
+  Dataset dataset = Sample();
+  PoseSequence& solved = dataset.sequences[0].cameras[0].solved;
+  std::ranges::fill(solved.standard_deviation(), kNaN);
+  EXPECT_TRUE(LacksUncertainty(solved));
+  WriteDataset(folder / "a.h5", dataset);
+  h5::File file = h5::File::OpenForReading(folder / "a.h5");
+  EXPECT_FALSE(SolvedView(file).Has("solved_uncertainty"));
+  EXPECT_TRUE(LacksUncertainty(ReadDataset(folder / "a.h5").sequences[0].cameras[0].solved));
+  // A view without any solved joint has the array as any other.
+  std::ranges::fill(solved.positions(), kNaN);
+  EXPECT_FALSE(LacksUncertainty(solved));
 }
 
 TEST(DatasetTest, KeepFramesCutsEveryArray) {
@@ -216,7 +267,7 @@ TEST(DatasetTest, KeepFramesCutsEveryArray) {
   EXPECT_EQ(dataset.sequences[1].frame_count, 2);
   EXPECT_EQ(dataset.sequences[1].cameras[1].keypoints.front(), 3.0F);
   EXPECT_EQ(dataset.sequences[1].cameras[1].confidence.size(), 6U);
-  EXPECT_EQ(dataset.sequences[1].cameras[1].truth.back(), 82.0F);
+  EXPECT_EQ(dataset.sequences[1].cameras[1].truth.positions().back(), 82.0F);
   EXPECT_EQ(dataset.sequences[1].action, (std::vector<std::uint8_t>{0, 1}));
   KeepFrames(dataset, {1, 1}, "a.h5");
   EXPECT_EQ(dataset.sequences.size(), 1U);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "canonpose/geometry/angles.h"
 #include "canonpose/geometry/triangulation.h"
@@ -24,12 +25,12 @@ PointObservation Observe(const CameraView& view, int frame, std::size_t joint_in
 
 }  // namespace
 
-SequencePoses TriangulateSequence(const Sequence& sequence, int joints, std::vector<double>* errors_px) {
-  const auto joint_count = static_cast<std::size_t>(joints);
-  SequencePoses poses;
+SequencePoses TriangulateSequence(const Sequence& sequence, const Skeleton& skeleton, std::vector<double>* errors_px) {
+  const std::size_t joint_count = skeleton.joints.size();
   const std::size_t size = static_cast<std::size_t>(sequence.frame_count) * joint_count;
+  std::vector<std::vector<float>> positions;  // by camera, (T, J, 3)
   for (const CameraView& view : sequence.cameras) {
-    poses.poses_in_camera.emplace_back(view.calibration.empty() ? 0 : 3 * size, kUnknown);
+    positions.emplace_back(view.calibration.empty() ? 0 : 3 * size, kUnknown);
   }
   std::vector<PointObservation> observations(sequence.cameras.size());
   for (std::size_t i = 0; i < size; ++i) {
@@ -44,9 +45,14 @@ SequencePoses TriangulateSequence(const Sequence& sequence, int joints, std::vec
       if (errors_px != nullptr && seen.confidence > 0.0 && std::isfinite(error_px)) errors_px->push_back(error_px);
       const Eigen::Vector3d in_camera = sequence.cameras[c].CalibrationAt(frame).InCamera(point.point_in_world_mm);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        poses.poses_in_camera[c][3 * i + axis] = static_cast<float>(in_camera[static_cast<Eigen::Index>(axis)]);
+        positions[c][3 * i + axis] = static_cast<float>(in_camera[static_cast<Eigen::Index>(axis)]);
       }
     }
+  }
+  SequencePoses poses;
+  for (std::size_t c = 0; c < positions.size(); ++c) {
+    poses.poses_in_camera.push_back(
+        PosesInCamera(skeleton, std::move(positions[c]), LengthUnit::kMillimetres, sequence.cameras[c].name));
   }
   return poses;
 }

@@ -13,22 +13,24 @@ namespace {
 using testing::TwoCameras;
 
 TEST(TriangulateSequence, GivesPosesInEachCamerasFrame) {
-  const SequencePoses poses = TriangulateSequence(TwoCameras().sequences[0], 3);
-  const std::vector<float>& a = poses.poses_in_camera[0];
-  const std::vector<float>& b = poses.poses_in_camera[1];
+  const SequencePoses poses = TriangulateSequence(TwoCameras().sequences[0], TwoCameras().skeleton);
+  const std::vector<float>& a = poses.poses_in_camera[0].positions();
+  const std::vector<float>& b = poses.poses_in_camera[1].positions();
   EXPECT_NEAR(a[3], 200.0F, 0.05F);
   EXPECT_NEAR(a[4], 300.0F, 0.05F);
   EXPECT_NEAR(a[5], 4100.0F, 0.05F);
   EXPECT_NEAR(b[3], 100.0F, 0.05F);
   EXPECT_NEAR(b[5], 3800.0F, 0.05F);
+  EXPECT_EQ(poses.poses_in_camera[1].unit, LengthUnit::kMillimetres);
+  EXPECT_EQ(poses.poses_in_camera[1].coordinate_frame, (CoordinateFrame{CoordinateFrame::Kind::kCamera, "b"}));
 }
 
 TEST(TriangulateSequence, AJointThatOneViewMissesIsUnknown) {
   Dataset dataset = TwoCameras();
   dataset.sequences[0].cameras[1].confidence[2] = 0.0F;
   std::vector<double> errors_px = {1.0};
-  const SequencePoses poses = TriangulateSequence(dataset.sequences[0], 3, &errors_px);
-  EXPECT_TRUE(std::isnan(poses.poses_in_camera[0][6]));
+  const SequencePoses poses = TriangulateSequence(dataset.sequences[0], dataset.skeleton, &errors_px);
+  EXPECT_TRUE(std::isnan(poses.poses_in_camera[0].positions()[6]));
   EXPECT_EQ(errors_px.size(), 5U) << "two joints in two views, after what was there";
 }
 
@@ -36,16 +38,17 @@ TEST(TriangulateSequence, NearlyParallelRaysGiveNothing) {
   Dataset dataset = TwoCameras();
   dataset.sequences[0].cameras[1] = dataset.sequences[0].cameras[0];
   dataset.sequences[0].cameras[1].calibration[0].camera_from_world_translation.x() += 50.0;
-  EXPECT_TRUE(std::isnan(TriangulateSequence(dataset.sequences[0], 3).poses_in_camera[0][0]));
+  EXPECT_TRUE(
+      std::isnan(TriangulateSequence(dataset.sequences[0], dataset.skeleton).poses_in_camera[0].positions()[0]));
 }
 
 TEST(TriangulateSequence, CamerasWithoutCalibrationGetNoPoses) {
   Dataset dataset = TwoCameras();
   dataset.sequences[0].cameras.push_back(dataset.sequences[0].cameras[1]);
   dataset.sequences[0].cameras[1].calibration.clear();
-  const SequencePoses poses = TriangulateSequence(dataset.sequences[0], 3);
+  const SequencePoses poses = TriangulateSequence(dataset.sequences[0], dataset.skeleton);
   EXPECT_TRUE(poses.poses_in_camera[1].empty());
-  EXPECT_NEAR(poses.poses_in_camera[0][3], 200.0F, 0.05F);
+  EXPECT_NEAR(poses.poses_in_camera[0].positions()[3], 200.0F, 0.05F);
 }
 
 }  // namespace

@@ -16,20 +16,21 @@ void AddPose(const CameraView& view, int frame, PoseSequence& person) {
   const auto joints = static_cast<std::size_t>(person.joint_count());
   const std::size_t first = static_cast<std::size_t>(frame) * joints;
   for (std::size_t j = 0; j < joints; ++j) {
-    const float* const position = &view.solved[3 * (first + j)];
-    if (std::isnan(position[0]) || person.IsKnown(frame, static_cast<int>(j))) continue;
-    const Eigen::Vector3d in_camera(position[0], position[1], position[2]);
+    const auto joint = static_cast<int>(j);
+    if (!view.solved.IsKnown(frame, joint) || person.IsKnown(frame, joint)) continue;
+    const Eigen::Vector3d in_camera = view.solved.PoseAt(frame).row(joint).transpose().cast<double>();
     const Eigen::Vector3d in_world =
         camera.camera_from_world_rotation.transpose() * (in_camera - camera.camera_from_world_translation);
-    person.PoseAt(frame).row(static_cast<Eigen::Index>(j)) = in_world.cast<float>();
-    if (!view.solved_uncertainty.empty()) person.standard_deviation()[first + j] = view.solved_uncertainty[first + j];
+    person.PoseAt(frame).row(joint) = in_world.cast<float>();
+    person.standard_deviation()[first + j] = view.solved.standard_deviation()[first + j];
   }
 }
 
 }  // namespace
 
 Scene SceneOfSolved(const Dataset& dataset, const Sequence& sequence, const std::string& file) {
-  if (std::ranges::none_of(sequence.cameras, IsSolved)) {
+  const auto solved = std::ranges::find_if(sequence.cameras, IsSolved);
+  if (solved == sequence.cameras.end()) {
     ThrowBadInput({file, "/sequences/" + sequence.name, "3D poses that were solved", "none",
                    "run `canonpose solve` on it first"});
   }
@@ -38,7 +39,7 @@ Scene SceneOfSolved(const Dataset& dataset, const Sequence& sequence, const std:
   PoseSequence& person = scene.people.emplace_back(dataset.skeleton, sequence.frame_count);
   person.name = sequence.subject;
   person.fps = sequence.fps;
-  person.unit = LengthUnit::kBodyLengths;
+  person.unit = solved->solved.unit;
   for (const CameraView& view : sequence.cameras) {
     for (std::size_t i = 0; i < view.confidence.size(); ++i) {
       person.confidence()[i] = std::max(person.confidence()[i], view.confidence[i]);

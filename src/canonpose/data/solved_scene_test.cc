@@ -35,14 +35,16 @@ Dataset Solved(const Eigen::Matrix<float, 4, 3>& in_world) {
     camera.camera_from_world_rotation = Eigen::AngleAxisd(0.5 + c, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
     camera.camera_from_world_translation = Eigen::Vector3d(0.1, 0.2, 3.0 + c);
     view.solved_calibration = {camera};
-    view.solved_uncertainty.assign(4, 0.01F);
+    std::vector<float> solved;
     for (int i = 0; i < 4; ++i) {
       const Eigen::Vector3d in_camera = camera.InCamera(in_world.row(i).transpose().cast<double>());
-      for (int axis = 0; axis < 3; ++axis) view.solved.push_back(static_cast<float>(in_camera[axis]));
+      for (int axis = 0; axis < 3; ++axis) solved.push_back(static_cast<float>(in_camera[axis]));
     }
+    view.solved = PosesInCamera(dataset.skeleton, solved, LengthUnit::kBodyLengths, view.name);
+    view.solved.standard_deviation().assign(4, 0.01F);
   }
   // The first camera lost a joint that the second has.
-  for (std::size_t i = 3; i < 6; ++i) sequence.cameras[0].solved[i] = std::nanf("");
+  for (std::size_t i = 3; i < 6; ++i) sequence.cameras[0].solved.positions()[i] = std::nanf("");
   return dataset;
 }
 
@@ -69,7 +71,7 @@ TEST(SceneOfSolved, PutsThePersonIntoTheWorldOfTheCameras) {
 
 TEST(SceneOfSolved, AsksForASolution) {
   Dataset dataset = Solved(Eigen::Matrix<float, 4, 3>::Zero());
-  for (CameraView& view : dataset.sequences[0].cameras) view.solved.clear();
+  for (CameraView& view : dataset.sequences[0].cameras) view.solved = {};
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { SceneOfSolved(dataset, dataset.sequences[0], "data.h5"); }),
               HasSubstr("canonpose solve"));
 }

@@ -16,7 +16,7 @@ ReferencePoses::ReferencePoses(const Dataset& dataset, const std::string& file) 
   triangulated_ = !has_truth;
   for (const Sequence& sequence : dataset.sequences) {
     if (triangulated_) {
-      sequences_.push_back(TriangulateSequence(sequence, dataset.skeleton.joint_count(), &reprojection_errors_px_));
+      sequences_.push_back(TriangulateSequence(sequence, dataset.skeleton, &reprojection_errors_px_));
       continue;
     }
     SequencePoses poses;

@@ -18,8 +18,10 @@ TEST(ReferenceTest, IsTriangulatedWithoutTruth) {
   const Dataset dataset = TwoCameras();
   const ReferencePoses reference(dataset, "a.h5");
   EXPECT_TRUE(reference.triangulated());
-  EXPECT_EQ(reference.sequences()[0].poses_in_camera,
-            TriangulateSequence(dataset.sequences[0], dataset.skeleton.joint_count()).poses_in_camera);
+  const SequencePoses expected = TriangulateSequence(dataset.sequences[0], dataset.skeleton);
+  for (std::size_t c = 0; c < 2; ++c) {
+    EXPECT_EQ(reference.sequences()[0].poses_in_camera[c].positions(), expected.poses_in_camera[c].positions());
+  }
   EXPECT_EQ(reference.reprojection_errors_px().size(), 6U) << "three joints in two views";
   ReferenceSummary summary;
   summary.Add(reference);
@@ -29,10 +31,10 @@ TEST(ReferenceTest, IsTriangulatedWithoutTruth) {
 
 TEST(ReferenceTest, TruthTakesPrecedenceOverCalibration) {
   Dataset dataset = TwoCameras();
-  dataset.sequences[0].cameras[0].truth.assign(9, 1.0F);
+  dataset.sequences[0].cameras[0].truth = TruthPoses(dataset.skeleton, std::vector<float>(9, 1.0F), "a");
   const ReferencePoses reference(dataset, "a.h5");
   EXPECT_FALSE(reference.triangulated());
-  EXPECT_EQ(reference.sequences()[0].poses_in_camera[0].front(), 1.0F);
+  EXPECT_EQ(reference.sequences()[0].poses_in_camera[0].positions().front(), 1.0F);
   EXPECT_TRUE(reference.sequences()[0].poses_in_camera[1].empty());
 }
 

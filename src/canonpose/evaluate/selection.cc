@@ -22,9 +22,8 @@ void KeepFrames(Sequence& sequence, int first, int step) {
   for (CameraView& view : sequence.cameras) {
     KeepRows(view.keypoints, count, first, step);
     KeepRows(view.confidence, count, first, step);
-    KeepRows(view.truth, count, first, step);
-    KeepRows(view.solved, count, first, step);
-    KeepRows(view.solved_uncertainty, count, first, step);
+    view.truth.KeepFrames(first, count - 1, step);
+    view.solved.KeepFrames(first, count - 1, step);
     if (view.calibration.size() > 1) KeepRows(view.calibration, count, first, step);
     if (view.solved_calibration.size() > 1) KeepRows(view.solved_calibration, count, first, step);
   }

@@ -12,15 +12,17 @@ using ::testing::ElementsAre;
 Sequence Recorded(const std::string& subject, int first, int frames) {
   Sequence sequence{subject + "_walk", subject, 50.0, false, subject, frames, {CameraView()}};
   CameraView& view = sequence.cameras.front();
+  std::vector<float> truth;
   for (int t = first; t < first + frames; ++t) {
     const auto number = static_cast<float>(t);
     view.keypoints.insert(view.keypoints.end(), {number, 0.0F});
     view.confidence.push_back(1.0F);
-    view.truth.insert(view.truth.end(), {number, 0.0F, 0.0F});
+    truth.insert(truth.end(), {number, 0.0F, 0.0F});
     Camera camera;
     camera.K(0, 0) = number + 1.0;
     view.calibration.push_back(camera);
   }
+  view.truth = TruthPoses({"", {"Hip"}, {-1}, 0, {0}}, truth, view.name);
   return sequence;
 }
 
@@ -42,7 +44,7 @@ TEST(SelectionTest, SubjectsAndFrames) {
   const Sequence& sequence = dataset.sequences.front();
   EXPECT_EQ(sequence.frame_count, 3);
   const CameraView& view = sequence.cameras.front();
-  EXPECT_THAT(view.truth, ElementsAre(0, 0, 0, 5, 0, 0, 10, 0, 0));
+  EXPECT_THAT(view.truth.positions(), ElementsAre(0, 0, 0, 5, 0, 0, 10, 0, 0));
   EXPECT_THAT(view.keypoints, ElementsAre(0, 0, 5, 0, 10, 0));
   EXPECT_EQ(view.confidence.size(), 3U);
   EXPECT_TRUE(view.solved.empty());
@@ -56,7 +58,7 @@ TEST(SelectionTest, FramesAreCountedFromTheFilesFirstFrame) {
   dataset.sequences.push_back(Recorded("S11", 7, 4));  // 7 to 10
   const Selection selection = SelectPoses(dataset, EveryFifthFrom(2), 7);
   ASSERT_EQ(dataset.sequences.size(), 2U);
-  EXPECT_THAT(dataset.sequences[0].cameras[0].truth, ElementsAre(7, 0, 0, 12, 0, 0));
+  EXPECT_THAT(dataset.sequences[0].cameras[0].truth.positions(), ElementsAre(7, 0, 0, 12, 0, 0));
   EXPECT_EQ(selection.FrameNumber(1), 12);
 
   dataset.sequences = {Recorded("S11", 8, 4)};

@@ -20,20 +20,22 @@ std::string Cell(const std::string& text) {
 
 }  // namespace
 
-void WriteLiftCsv(const std::filesystem::path& path, const LiftOutput& output) {
-  const bool has_time = output.fps > 0.0;
+void WriteLiftCsv(const std::filesystem::path& path, const LiftedPoses& poses) {
+  const double fps = poses.pose_in_camera.fps;
+  const bool has_time = fps > 0.0;
+  const std::string units = UnitsInFile(poses);
   std::string text = has_time ? "frame,time [s]" : "frame";
-  for (const std::string& joint : output.joints) {
-    for (const char axis : {'x', 'y', 'z'}) text += ',' + Cell(fmt::format("{}_{} [{}]", joint, axis, output.units));
+  for (const std::string& joint : poses.skeleton().joints) {
+    for (const char axis : {'x', 'y', 'z'}) text += ',' + Cell(fmt::format("{}_{} [{}]", joint, axis, units));
   }
   text += '\n';
-  const std::size_t row = 3 * output.joints.size();
+  const std::size_t row = 3 * poses.skeleton().joints.size();
   const auto out = std::back_inserter(text);
-  for (std::size_t t = 0; t < output.frames.size(); ++t) {
-    fmt::format_to(out, "{}", output.frames[t]);
-    if (has_time) fmt::format_to(out, ",{:.6f}", static_cast<double>(output.frames[t]) / output.fps);
+  for (std::size_t t = 0; t < poses.frames.size(); ++t) {
+    fmt::format_to(out, "{}", poses.frames[t]);
+    if (has_time) fmt::format_to(out, ",{:.6f}", static_cast<double>(poses.frames[t]) / fps);
     for (std::size_t i = 0; i < row; ++i) {
-      const float value = output.pose3d[t * row + i];
+      const float value = poses.pose_in_camera.positions()[t * row + i];
       text += ',';
       if (std::isfinite(value)) fmt::format_to(out, "{}", value);
     }

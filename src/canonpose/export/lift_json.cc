@@ -38,19 +38,22 @@ void AppendArray(std::string& text, const std::string& key, const std::vector<fl
 
 }  // namespace
 
-void WriteLiftJson(const std::filesystem::path& path, const LiftOutput& output) {
+void WriteLiftJson(const std::filesystem::path& path, const LiftedPoses& poses) {
   using Json = nlohmann::json;
   const auto dump = [](const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); };
+  const std::size_t frames = poses.frames.size();
+  const std::size_t joints = poses.skeleton().joints.size();
   std::string text = "{\n";
-  text += fmt::format("  \"units\": {},\n", dump(output.units));
-  if (output.fps > 0.0) text += fmt::format("  \"fps\": {},\n", dump(output.fps));
-  text += fmt::format("  \"joints\": {},\n", dump(output.joints));
-  text += fmt::format("  \"frames\": {},\n", dump(output.frames));
-  AppendArray(text, "pose3d", output.pose3d, output.frames.size(), output.joints.size());
+  text += fmt::format("  \"units\": {},\n", dump(UnitsInFile(poses)));
+  const double fps = poses.pose_in_camera.fps;
+  if (fps > 0.0) text += fmt::format("  \"fps\": {},\n", dump(fps));
+  text += fmt::format("  \"joints\": {},\n", dump(poses.skeleton().joints));
+  text += fmt::format("  \"frames\": {},\n", dump(poses.frames));
+  AppendArray(text, "pose3d", poses.pose_in_camera.positions(), frames, joints);
   text += ",\n";
-  AppendArray(text, "canonical", output.canonical, output.frames.size(), output.joints.size());
+  AppendArray(text, "canonical", poses.canonical.positions(), frames, joints);
   text += ",\n";
-  AppendArray(text, "rotation", output.rotation, output.frames.size(), 3);
+  AppendArray(text, "rotation", poses.rotation, frames, 3);
   text += "\n}\n";
   WriteFileAtomically(path, text);
 }

@@ -3,17 +3,18 @@
 
 namespace canonpose {
 
-void WriteLiftNpz(const std::filesystem::path& path, const LiftOutput& output) {
-  const std::size_t frames = output.frames.size();
-  const std::size_t joints = output.joints.size();
+void WriteLiftNpz(const std::filesystem::path& path, const LiftedPoses& poses) {
+  const std::size_t frames = poses.frames.size();
+  const std::size_t joints = poses.skeleton().joints.size();
   NpzWriter writer(path);
-  writer.Add("pose3d", output.pose3d, {frames, joints, 3});
-  writer.Add("canonical", output.canonical, {frames, joints, 3});
-  writer.Add("rotation", output.rotation, {frames, 3, 3});
-  writer.AddStrings("joints", output.joints);
-  writer.Add("frames", output.frames, {frames});
-  writer.AddString("units", output.units);
-  if (output.fps > 0.0) writer.Add("fps", std::vector<double>{output.fps}, {});
+  writer.Add("pose3d", poses.pose_in_camera.positions(), {frames, joints, 3});
+  writer.Add("canonical", poses.canonical.positions(), {frames, joints, 3});
+  writer.Add("rotation", poses.rotation, {frames, 3, 3});
+  writer.AddStrings("joints", poses.skeleton().joints);
+  writer.Add("frames", poses.frames, {frames});
+  writer.AddString("units", UnitsInFile(poses));
+  const double fps = poses.pose_in_camera.fps;
+  if (fps > 0.0) writer.Add("fps", std::vector<double>{fps}, {});
   writer.Commit();
 }
 

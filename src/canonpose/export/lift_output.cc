@@ -7,7 +7,7 @@
 namespace canonpose {
 namespace {
 
-using WriteFunction = void (*)(const std::filesystem::path&, const LiftOutput&);
+using WriteFunction = void (*)(const std::filesystem::path&, const LiftedPoses&);
 
 WriteFunction WriterFor(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
@@ -21,13 +21,21 @@ WriteFunction WriterFor(const std::filesystem::path& path) {
 
 void RequireLiftFormat(const std::filesystem::path& path) { WriterFor(path); }
 
-void WriteLiftOutput(const std::filesystem::path& path, const LiftOutput& output) {
-  const std::size_t frames = output.frames.size();
-  const std::size_t values = frames * output.joints.size() * 3;
-  CANONPOSE_CHECK(output.pose3d.size() == values && output.canonical.size() == values, "{} and {} values, not {}",
-                  output.pose3d.size(), output.canonical.size(), values);
-  CANONPOSE_CHECK(output.rotation.size() == 9 * frames, "{} values for {} rotations", output.rotation.size(), frames);
-  WriterFor(path)(path, output);
+std::string UnitsInFile(const LiftedPoses& poses) {
+  const LengthUnit unit = poses.pose_in_camera.unit;
+  return unit == LengthUnit::kEachItsOwn ? "network units" : ToString(unit);
+}
+
+void WriteLiftOutput(const std::filesystem::path& path, const LiftedPoses& poses) {
+  const std::size_t frames = poses.frames.size();
+  const std::size_t values = frames * poses.skeleton().joints.size() * 3;
+  CANONPOSE_CHECK(poses.pose_in_camera.positions().size() == values && poses.canonical.positions().size() == values,
+                  "{} and {} values, not {}", poses.pose_in_camera.positions().size(),
+                  poses.canonical.positions().size(), values);
+  CANONPOSE_CHECK(poses.rotation.size() == 9 * frames, "{} values for {} rotations", poses.rotation.size(), frames);
+  CANONPOSE_CHECK(poses.canonical.unit == poses.pose_in_camera.unit, "{} and {}", ToString(poses.canonical.unit),
+                  ToString(poses.pose_in_camera.unit));
+  WriterFor(path)(path, poses);
 }
 
 }  // namespace canonpose

@@ -19,15 +19,14 @@ using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 /// Two frames of two joints; the second frame could not be lifted.
-LiftOutput Sample() {
-  LiftOutput output;
-  output.pose3d = {0, 0, 0, 0.1F, -250.5F, 1e-7F, NAN, NAN, NAN, NAN, NAN, NAN};
-  output.canonical = {0, 0, 0, 1, 2, 3, NAN, NAN, NAN, NAN, NAN, NAN};
-  output.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
-  output.joints = {"Hip", "Neck, \"upper\""};
-  output.frames = {10, 11};
-  output.units = "mm";
-  return output;
+LiftedPoses Sample() {
+  LiftedPoses poses({"", {"Hip", "Neck, \"upper\""}, {-1, 0}, 0, {0, 1}}, 2, "cam");
+  poses.pose_in_camera.positions() = {0, 0, 0, 0.1F, -250.5F, 1e-7F, NAN, NAN, NAN, NAN, NAN, NAN};
+  poses.canonical.positions() = {0, 0, 0, 1, 2, 3, NAN, NAN, NAN, NAN, NAN, NAN};
+  poses.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+  poses.frames = {10, 11};
+  poses.pose_in_camera.unit = poses.canonical.unit = LengthUnit::kMillimetres;
+  return poses;
 }
 
 TEST(LiftOutputTest, Npz) {
@@ -45,23 +44,23 @@ TEST(LiftOutputTest, Npz) {
 
 TEST(LiftOutputTest, Csv) {
   const TemporaryFolder folder;
-  LiftOutput output = Sample();
-  WriteLiftOutput(folder / "a.csv", output);
+  LiftedPoses poses = Sample();
+  WriteLiftOutput(folder / "a.csv", poses);
   EXPECT_EQ(ReadFile(folder / "a.csv"),
             "frame,Hip_x [mm],Hip_y [mm],Hip_z [mm],\"Neck, \"\"upper\"\"_x [mm]\",\"Neck, \"\"upper\"\"_y [mm]\","
             "\"Neck, \"\"upper\"\"_z [mm]\"\n"
             "10,0,0,0,0.1,-250.5,1e-07\n"
             "11,,,,,,\n");
-  output.fps = 50.0;
-  WriteLiftOutput(folder / "a.csv", output);
+  poses.pose_in_camera.fps = 50.0;
+  WriteLiftOutput(folder / "a.csv", poses);
   EXPECT_THAT(ReadFile(folder / "a.csv"), HasSubstr("\n10,0.200000,0,"));
 }
 
 TEST(LiftOutputTest, Json) {
   const TemporaryFolder folder;
-  LiftOutput output = Sample();
-  output.fps = 29.97;
-  WriteLiftOutput(folder / "a.json", output);
+  LiftedPoses poses = Sample();
+  poses.pose_in_camera.fps = 29.97;
+  WriteLiftOutput(folder / "a.json", poses);
   const std::string text = ReadFile(folder / "a.json");
   EXPECT_THAT(text, HasSubstr("[0.1, -250.5, 1e-07]")) << "floats must not grow digits";
   const nlohmann::json json = nlohmann::json::parse(text);
@@ -77,8 +76,9 @@ TEST(LiftOutputTest, Json) {
 
 TEST(LiftOutputTest, NoFramesStillMakeAFile) {
   const TemporaryFolder folder;
-  const LiftOutput output{{}, {}, {}, {"Hip"}, {}, "mm", 0.0};
-  for (const char* name : {"a.npz", "a.csv", "a.json"}) WriteLiftOutput(folder / name, output);
+  const LiftedPoses poses({"", {"Hip"}, {-1}, 0, {0}}, 0, "cam");
+  for (const char* name : {"a.npz", "a.csv", "a.json"}) WriteLiftOutput(folder / name, poses);
+  EXPECT_EQ(ReadFile(folder / "a.csv"), "frame,Hip_x [network units],Hip_y [network units],Hip_z [network units]\n");
   EXPECT_TRUE(nlohmann::json::parse(ReadFile(folder / "a.json"))["pose3d"].empty());
 }
 

@@ -50,7 +50,8 @@ double SumOfBones(const float* pose, const Skeleton& skeleton) {
 
 }  // namespace
 
-void ScaleToHeight(LiftedPoses& poses, const Skeleton& skeleton, double height_mm) {
+void ScaleToHeight(LiftedPoses& poses, double height_mm) {
+  const Skeleton& skeleton = poses.skeleton();
   int head = -1;
   double head_height = 1.0;
   for (const HeadJoint& candidate : kHeads) {
@@ -70,24 +71,25 @@ void ScaleToHeight(LiftedPoses& poses, const Skeleton& skeleton, double height_m
     ThrowBadInput({"`height`", "", "a skeleton with ankles and a head", "a model whose skeleton lacks them",
                    "leave `height` out"});
   }
-  const std::size_t stride = static_cast<std::size_t>(poses.joint_count) * 3;
+  const std::size_t stride = skeleton.joints.size() * 3;
   std::vector<double> ratios;  // length of the path from ankle to head / sum of all bones
-  for (std::size_t t = 0; t < static_cast<std::size_t>(poses.frame_count); ++t) {
-    const float* pose = &poses.pose_in_camera[t * stride];
+  for (std::size_t t = 0; t < static_cast<std::size_t>(poses.frame_count()); ++t) {
+    const float* pose = &poses.pose_in_camera.positions()[t * stride];
     if (!std::isfinite(pose[0])) continue;
     const double legs = 0.5 * (PathToRoot(pose, skeleton, left) + PathToRoot(pose, skeleton, right));
     ratios.push_back((legs + PathToRoot(pose, skeleton, head)) / SumOfBones(pose, skeleton));
   }
+  poses.pose_in_camera.unit = poses.canonical.unit = LengthUnit::kMillimetres;
   if (ratios.empty()) return;
   std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
   const double sum_of_bones_mm = height_mm * (head_height - kAnkleHeight) / ratios[ratios.size() / 2];
-  for (std::size_t t = 0; t < static_cast<std::size_t>(poses.frame_count); ++t) {
-    float* pose = &poses.pose_in_camera[t * stride];
+  for (std::size_t t = 0; t < static_cast<std::size_t>(poses.frame_count()); ++t) {
+    float* pose = &poses.pose_in_camera.positions()[t * stride];
     if (!std::isfinite(pose[0])) continue;
     const auto scale = static_cast<float>(sum_of_bones_mm / SumOfBones(pose, skeleton));
     for (std::size_t i = 0; i < stride; ++i) {
       pose[i] *= scale;
-      poses.canonical[t * stride + i] *= scale;
+      poses.canonical.positions()[t * stride + i] *= scale;
     }
   }
 }

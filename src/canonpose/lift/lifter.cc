@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -81,15 +80,15 @@ class LiftBatch {
   /// Lifts the frames that were added, writes them to their places, and empties the batch.
   void Lift(LiftingNetwork& network, int root, torch::Device device, LiftedPoses& lifted) {
     if (frames_.empty()) return;
-    const auto joints = static_cast<std::size_t>(lifted.joint_count);
-    const torch::Tensor input = torch::from_blob(input_.data(), {size(), 3 * lifted.joint_count}).to(device);
+    const std::size_t joints = lifted.skeleton().joints.size();
+    const torch::Tensor input = torch::from_blob(input_.data(), {size(), 3 * lifted.joint_count()}).to(device);
     const LifterOutput output = network.forward(input);
     torch::Tensor rotation = output.rotation;  // (B, 3, 3)
     if (turns_)
       rotation = torch::bmm(torch::from_blob(camera_from_turned_.data(), {size(), 3, 3}).to(device), rotation);
     const torch::Tensor centred = output.pose - output.pose.narrow(2, root, 1);  // (B, 3, J)
-    CopyRows(centred.transpose(1, 2), joints * 3, lifted.canonical);
-    CopyRows(torch::bmm(rotation, centred).transpose(1, 2), joints * 3, lifted.pose_in_camera);
+    CopyRows(centred.transpose(1, 2), joints * 3, lifted.canonical.positions());
+    CopyRows(torch::bmm(rotation, centred).transpose(1, 2), joints * 3, lifted.pose_in_camera.positions());
     CopyRows(rotation, 9, lifted.rotation);
     frames_.clear();
     input_.clear();
@@ -127,13 +126,7 @@ LiftedPoses PoseLifter::LiftMorphed(const CameraView& view, int frame_count) con
   CANONPOSE_CHECK(view.confidence.size() == frames * joints, "{} confidences for {} frames", view.confidence.size(),
                   frames);
 
-  LiftedPoses lifted;
-  lifted.frame_count = frame_count;
-  lifted.joint_count = skeleton().joint_count();
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  lifted.pose_in_camera.assign(frames * joints * 3, kNan);
-  lifted.canonical.assign(frames * joints * 3, kNan);
-  lifted.rotation.assign(frames * 9, kNan);
+  LiftedPoses lifted(skeleton(), frame_count, view.name);
 
   const PoseInput pose_input(info().input, skeleton());
   if (pose_input.LacksCamera(view)) {
@@ -151,6 +144,8 @@ LiftedPoses PoseLifter::LiftMorphed(const CameraView& view, int frame_count) con
     if (batch.size() == kChunk) batch.Lift(*state_->network, skeleton().root, state_->device, lifted);
   }
   batch.Lift(*state_->network, skeleton().root, state_->device, lifted);
+  lifted.pose_in_camera.TrustKnownJoints();
+  lifted.canonical.TrustKnownJoints();
   return lifted;
 }
 

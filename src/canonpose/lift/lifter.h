@@ -1,27 +1,15 @@
 // Applies a trained model: 2D poses of one camera in, 3D poses out. No LibTorch in this header.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <span>
 #include <string>
-#include <vector>
 
 #include "canonpose/data/dataset.h"
 #include "canonpose/model/model_file.h"
+#include "canonpose/scene/lifted_poses.h"
 
 namespace canonpose {
-
-/// 3D poses of T frames, centred on the root: pose_in_camera = rotation * canonical. They are in the network's unit,
-/// and every pose has a scale of its own. NaN in frames whose 2D pose cannot be normalised (geometry/normalisation.h).
-struct LiftedPoses {
-  int frame_count = 0;
-  int joint_count = 0;
-  std::vector<float> pose_in_camera;  ///< (T, J, 3) x right, y down, z forward
-  std::vector<float> canonical;       ///< (T, J, 3)
-  std::vector<float> rotation;        ///< (T, 3, 3) camera_from_canonical
-};
 
 class PoseLifter {
  public:
@@ -37,7 +25,8 @@ class PoseLifter {
   [[nodiscard]] const Skeleton& skeleton() const { return info().skeleton; }
 
   /// Lifts the T frames of a view. Its joints are those of skeleton(), as detected: a morphing network that the model
-  /// was trained with is applied here.
+  /// was trained with is applied here. Frames whose 2D pose cannot be normalised (geometry/normalisation.h) stay
+  /// missing. Frames are numbered from 0.
   [[nodiscard]] LiftedPoses Lift(const CameraView& view, int frame_count) const;
 
   /// Throws Error(kBadInput) naming `file` where data of `other` cannot be lifted by this model.
@@ -55,15 +44,15 @@ class PoseLifter {
 /// such that the median length over frames of the path from an ankle over the hips to the head is the difference of
 /// their heights: an ankle is at 3.9 % of the stature, a head joint at 100 % (Winter, Biomechanics and Motor Control of
 /// Human Movement). Throws Error(kBadInput) where the skeleton has no such path.
-void ScaleToHeight(LiftedPoses& poses, const Skeleton& skeleton, double height_mm);
+void ScaleToHeight(LiftedPoses& poses, double height_mm);
 
 /// The smallest window of Smooth(), in frames.
 inline constexpr int kMinSmoothing = 5;
 
 /// Smooths poses over time (Savitzky and Golay 1964): for every frame and coordinate, a quadratic is fitted to
-/// `window_frames` frames around it, fewer at gaps and ends, and evaluated at the frame. Canonical poses follow,
-/// rotations stay. `frames` (T, ascending) are the numbers of the frames. Frames that are NaN stay NaN and take no
-/// part; frames with too few others around them keep their poses.
-void Smooth(LiftedPoses& poses, std::span<const std::int64_t> frames, int window_frames);
+/// `window_frames` frames around it, fewer at gaps (in LiftedPoses::frames) and ends, and evaluated at the frame.
+/// Canonical poses follow, rotations stay. Frames that are NaN stay NaN and take no part; frames with too few others
+/// around them keep their poses.
+void Smooth(LiftedPoses& poses, int window_frames);
 
 }  // namespace canonpose

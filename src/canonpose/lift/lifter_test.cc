@@ -54,12 +54,12 @@ TEST(PoseLifter, PoseIsRotationTimesCanonicalAndRootIsTheOrigin) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         double turned = 0.0;
         for (std::size_t k = 0; k < 3; ++k) {
-          turned +=
-              static_cast<double>(lifted.rotation[t * 9 + axis * 3 + k]) * lifted.canonical[(t * kJoints + j) * 3 + k];
+          turned += static_cast<double>(lifted.rotation[t * 9 + axis * 3 + k]) *
+                    lifted.canonical.positions()[(t * kJoints + j) * 3 + k];
         }
-        EXPECT_NEAR(lifted.pose_in_camera[(t * kJoints + j) * 3 + axis], turned, 1e-5);
+        EXPECT_NEAR(lifted.pose_in_camera.positions()[(t * kJoints + j) * 3 + axis], turned, 1e-5);
         if (j == 0) {
-          EXPECT_EQ(lifted.pose_in_camera[t * kJoints * 3 + axis], 0.0F);
+          EXPECT_EQ(lifted.pose_in_camera.positions()[t * kJoints * 3 + axis], 0.0F);
         }
       }
     }
@@ -75,7 +75,9 @@ TEST(PoseLifter, DoesNotDependOnWhereAndHowLargeThePersonIs) {
     moved.keypoints[i] = 0.5F * moved.keypoints[i] + (i % 2 == 0 ? 300.0F : -20.0F);
   const LiftedPoses a = lifter.Lift(view, kFrames);
   const LiftedPoses b = lifter.Lift(moved, kFrames);
-  for (std::size_t i = 0; i < a.pose_in_camera.size(); ++i) EXPECT_NEAR(a.pose_in_camera[i], b.pose_in_camera[i], 1e-4);
+  for (std::size_t i = 0; i < a.pose_in_camera.positions().size(); ++i) {
+    EXPECT_NEAR(a.pose_in_camera.positions()[i], b.pose_in_camera.positions()[i], 1e-4);
+  }
 }
 
 TEST(PoseLifter, WithTheRayOnTheAxisThePoseIsThatOfACameraLookingStraightTurnedBack) {
@@ -104,9 +106,8 @@ TEST(PoseLifter, WithTheRayOnTheAxisThePoseIsThatOfACameraLookingStraightTurnedB
     };
     EXPECT_NEAR((matrix(a) - onto_axis.transpose() * matrix(on_axis)).norm(), 0.0, 1e-4);
     for (std::size_t j = 0; j < kJoints; ++j) {
-      const auto joint = [&](const std::vector<float>& poses) {
-        const float* values = &poses[3 * (t * kJoints + j)];
-        return Eigen::Vector3d(values[0], values[1], values[2]);
+      const auto joint = [&](const PoseSequence& poses) -> Eigen::Vector3d {
+        return poses.PoseAt(static_cast<int>(t)).row(static_cast<Eigen::Index>(j)).transpose().cast<double>();
       };
       EXPECT_NEAR((joint(a.pose_in_camera) - onto_axis.transpose() * joint(on_axis.pose_in_camera)).norm(), 0.0, 1e-4);
       EXPECT_NEAR((joint(a.pose_in_camera) - matrix(a) * joint(a.canonical)).norm(), 0.0, 1e-5);
@@ -120,9 +121,24 @@ TEST(PoseLifter, FramesWithoutAPersonStayMissing) {
   CameraView view = RandomView(3);
   for (int j = 0; j < kJoints; ++j) view.confidence[2 * kJoints + j] = 0.0F;
   const LiftedPoses lifted = lifter.Lift(view, kFrames);
-  EXPECT_TRUE(std::isnan(lifted.pose_in_camera[2 * kJoints * 3]));
+  EXPECT_TRUE(std::isnan(lifted.pose_in_camera.positions()[2 * kJoints * 3]));
   EXPECT_TRUE(std::isnan(lifted.rotation[2 * 9]));
-  EXPECT_FALSE(std::isnan(lifted.pose_in_camera[3 * kJoints * 3]));
+  EXPECT_FALSE(std::isnan(lifted.pose_in_camera.positions()[3 * kJoints * 3]));
+  EXPECT_EQ(lifted.pose_in_camera.confidence()[2 * kJoints], 0.0F);
+  EXPECT_EQ(lifted.canonical.confidence()[3 * kJoints], 1.0F);
+}
+
+TEST(PoseLifter, SaysWhatItsCoordinatesMean) {
+  const TemporaryFolder folder;
+  const PoseLifter lifter = PoseLifter::Open(WriteModel(folder));
+  CameraView view = RandomView(5);
+  view.name = "front";
+  const LiftedPoses lifted = lifter.Lift(view, kFrames);
+  EXPECT_EQ(lifted.pose_in_camera.unit, LengthUnit::kEachItsOwn);
+  EXPECT_EQ(lifted.pose_in_camera.coordinate_frame, (CoordinateFrame{CoordinateFrame::Kind::kRoot, "front"}));
+  EXPECT_EQ(lifted.canonical.coordinate_frame.kind, CoordinateFrame::Kind::kBody);
+  EXPECT_EQ(lifted.frames, (std::vector<std::int64_t>{0, 1, 2, 3, 4}));
+  EXPECT_TRUE(lifted.skeleton().SameJoints(lifter.skeleton()));
 }
 
 TEST(PoseLifter, RefusesAnotherSkeleton) {
@@ -135,14 +151,13 @@ TEST(PoseLifter, RefusesAnotherSkeleton) {
 TEST(ScaleToHeight, AStandingFigureGetsItsStature) {
   const Skeleton& skeleton = *FindSkeleton("h36m-17");
   // A stick figure: ankles 39 mm, head top 1000 mm above ground, in arbitrary units; every path straight up.
-  LiftedPoses poses;
-  poses.frame_count = 1;
-  poses.joint_count = kJoints;
-  poses.pose_in_camera.assign(kJoints * 3, 0.0F);
+  LiftedPoses poses(skeleton, 1, "front");
+  std::vector<float>& pose = poses.pose_in_camera.positions();
+  pose.assign(kJoints * 3, 0.0F);
   const auto put = [&](const char* name, float x, float up) {
     const int j = *skeleton.Find(name);
-    poses.pose_in_camera[3 * j] = x;
-    poses.pose_in_camera[3 * j + 1] = -up;
+    pose[3 * static_cast<std::size_t>(j)] = x;
+    pose[3 * static_cast<std::size_t>(j) + 1] = -up;
   };
   for (const auto& [name, up] : std::initializer_list<std::pair<const char*, float>>{{"Hip", 530},
                                                                                      {"Spine", 650},
@@ -164,10 +179,12 @@ TEST(ScaleToHeight, AStandingFigureGetsItsStature) {
     put(name, 0.0F, up);
   }
   poses.canonical = poses.pose_in_camera;
-  for (float& value : poses.pose_in_camera) value *= 0.01F;
-  ScaleToHeight(poses, skeleton, 1800.0);
-  const auto up = [&](const char* name) { return -poses.pose_in_camera[3 * *skeleton.Find(name) + 1]; };
+  for (float& value : pose) value *= 0.01F;
+  ScaleToHeight(poses, 1800.0);
+  const auto up = [&](const char* name) { return -poses.pose_in_camera.PoseAt(0)(*skeleton.Find(name), 1); };
   EXPECT_NEAR(up("Head") - up("LFoot"), 1800.0 * 0.961, 1.0);
+  EXPECT_EQ(poses.pose_in_camera.unit, LengthUnit::kMillimetres);
+  EXPECT_EQ(poses.canonical.unit, LengthUnit::kMillimetres);
 }
 
 }  // namespace

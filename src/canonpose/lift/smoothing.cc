@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <vector>
 
 #include <Eigen/Dense>
 
@@ -18,17 +20,18 @@ Eigen::VectorXd QuadraticWeights(const Eigen::VectorXd& t) {
 
 }  // namespace
 
-void Smooth(LiftedPoses& poses, std::span<const std::int64_t> frames, int window_frames) {
-  CANONPOSE_CHECK(window_frames >= kMinSmoothing && static_cast<int>(frames.size()) == poses.frame_count, "{} {}",
-                  window_frames, frames.size());
+void Smooth(LiftedPoses& poses, int window_frames) {
+  const std::vector<std::int64_t>& frames = poses.frames;
+  CANONPOSE_CHECK(window_frames >= kMinSmoothing && std::ssize(frames) == poses.frame_count(), "{} {}", window_frames,
+                  frames.size());
   const int half = window_frames / 2;
-  const auto values = static_cast<std::size_t>(3 * poses.joint_count);
-  const std::vector<float> before = poses.pose_in_camera;
-  for (int t = 0; t < poses.frame_count; ++t) {
+  const auto values = static_cast<std::size_t>(3 * poses.joint_count());
+  const std::vector<float> before = poses.pose_in_camera.positions();
+  for (int t = 0; t < poses.frame_count(); ++t) {
     const auto at = static_cast<std::size_t>(t);
     if (!std::isfinite(before[at * values])) continue;
     std::vector<std::size_t> near;
-    for (int n = std::max(0, t - half); n <= std::min(poses.frame_count - 1, t + half); ++n) {
+    for (int n = std::max(0, t - half); n <= std::min(poses.frame_count() - 1, t + half); ++n) {
       const auto other = static_cast<std::size_t>(n);
       if (std::isfinite(before[other * values]) && std::abs(frames[other] - frames[at]) <= half) near.push_back(other);
     }
@@ -43,13 +46,11 @@ void Smooth(LiftedPoses& poses, std::span<const std::int64_t> frames, int window
       double sum = 0.0;
       for (std::size_t i = 0; i < near.size(); ++i)
         sum += weights[static_cast<Eigen::Index>(i)] * before[near[i] * values + k];
-      poses.pose_in_camera[at * values + k] = static_cast<float>(sum);
+      poses.pose_in_camera.positions()[at * values + k] = static_cast<float>(sum);
     }
-    using Rows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
     using Rotation = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
     const Eigen::Map<const Rotation> rotation(&poses.rotation[9 * at]);
-    const Eigen::Map<const Rows> pose(&poses.pose_in_camera[at * values], poses.joint_count, 3);
-    Eigen::Map<Rows>(&poses.canonical[at * values], poses.joint_count, 3) = pose * rotation;
+    poses.canonical.PoseAt(t) = poses.pose_in_camera.PoseAt(t) * rotation;
   }
 }
 

@@ -1,7 +1,6 @@
 #include "canonpose/pipeline/evaluate_datasets.h"
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <set>
@@ -37,8 +36,8 @@ class Run {
   void AddTruthKinds(const Dataset& dataset);
   void AddSequence(const Sequence& sequence, const SequencePoses& reference, const Selection& selection,
                    const std::string& prefix, Progress& progress);
-  void AddCanonical(const std::vector<std::vector<float>>& canonical,
-                    const std::vector<std::vector<PoseErrors>>& errors, int frame_count);
+  void AddCanonical(const std::vector<PoseSequence>& canonical, const std::vector<std::vector<PoseErrors>>& errors,
+                    int frame_count);
   void ReportTruthKind(EvaluationReport& report) const;
   void ReportMissing(EvaluationReport& report) const;
   void ReportOtherBenchmarks(EvaluationReport& report) const;
@@ -103,12 +102,12 @@ void Run::Add(const fs::path& file) {
 void Run::AddSequence(const Sequence& sequence, const SequencePoses& reference, const Selection& selection,
                       const std::string& prefix, Progress& progress) {
   const std::size_t row = 3 * skeleton_.joints.size();
-  std::vector<std::vector<float>> canonical;
+  std::vector<PoseSequence> canonical;
   std::vector<std::vector<PoseErrors>> errors;
   for (std::size_t c = 0; c < sequence.cameras.size(); ++c) {
     const std::string& camera = sequence.cameras[c].name;
     progress.Update(views_done_++, fmt::format("{} {}", sequence.name, camera));
-    const std::vector<float>& truth = reference.poses_in_camera[c];
+    const std::vector<float>& truth = reference.poses_in_camera[c].positions();
     ++views_;
     if (truth.empty()) {
       ++views_without_truth_;
@@ -116,26 +115,26 @@ void Run::AddSequence(const Sequence& sequence, const SequencePoses& reference, 
     }
     subjects_.insert(sequence.subject);
     PredictedPoses predicted = predictor_.predict(sequence, c);
-    if (predicted.pose_in_camera.empty()) {
-      predicted.pose_in_camera.assign(truth.size(), std::numeric_limits<float>::quiet_NaN());
-    }
-    CANONPOSE_CHECK(predicted.pose_in_camera.size() == truth.size() && truth.size() % row == 0, "{} and {} values",
-                    predicted.pose_in_camera.size(), truth.size());
+    if (predicted.pose_in_camera.empty()) predicted.pose_in_camera = PoseSequence(skeleton_, sequence.frame_count);
+    const std::vector<float>& prediction = predicted.pose_in_camera.positions();
+    CANONPOSE_CHECK(prediction.size() == truth.size() && truth.size() % row == 0, "{} and {} values", prediction.size(),
+                    truth.size());
     errors.emplace_back();
     for (std::size_t t = 0; t * row < truth.size(); ++t) {
       const PoseSource source{prefix + sequence.name, camera, selection.FrameNumber(t), ActionIn(sequence, t)};
-      errors.back().push_back(evaluation_->Add(source, &predicted.pose_in_camera[t * row], &truth[t * row]));
+      errors.back().push_back(evaluation_->Add(source, &prediction[t * row], &truth[t * row]));
     }
     canonical.push_back(std::move(predicted.canonical));
   }
   if (canonical_) AddCanonical(canonical, errors, sequence.frame_count);
 }
 
-void Run::AddCanonical(const std::vector<std::vector<float>>& canonical,
-                       const std::vector<std::vector<PoseErrors>>& errors, int frame_count) {
+void Run::AddCanonical(const std::vector<PoseSequence>& canonical, const std::vector<std::vector<PoseErrors>>& errors,
+                       int frame_count) {
   const std::size_t row = 3 * skeleton_.joints.size();
   for (std::size_t t = 0; t < static_cast<std::size_t>(frame_count); ++t) {
-    for (std::size_t c = 0; c < canonical.size(); ++c) canonical_->AddView(&canonical[c][t * row], errors[c][t]);
+    for (std::size_t c = 0; c < canonical.size(); ++c)
+      canonical_->AddView(&canonical[c].positions()[t * row], errors[c][t]);
     canonical_->EndFrame();
   }
 }
@@ -249,12 +248,13 @@ Predictor SolvedPoses() {
 
 Predictor TriangulatedPoses() {
   struct Cache {
+    Skeleton skeleton;
     const Sequence* sequence = nullptr;
     SequencePoses poses;
   };
   const auto cache = std::make_shared<Cache>();
   return {[cache](const Dataset& dataset, const std::string& file) {
-            cache->sequence = nullptr;
+            *cache = {dataset.skeleton, nullptr, {}};
             if (!dataset.HasTruth()) {
               ThrowBadInput({file, "", "truth to compare the triangulation with", "none", "evaluate data with truth"});
             }
@@ -265,9 +265,8 @@ Predictor TriangulatedPoses() {
           },
           [cache](const Sequence& sequence, std::size_t camera) {
             if (cache->sequence != &sequence) {
-              const CameraView& view = sequence.cameras.front();
-              const auto joints = static_cast<int>(view.confidence.size()) / sequence.frame_count;
-              *cache = {&sequence, TriangulateSequence(sequence, joints)};
+              cache->sequence = &sequence;
+              cache->poses = TriangulateSequence(sequence, cache->skeleton);
             }
             return PredictedPoses{cache->poses.poses_in_camera[camera], {}};
           },

@@ -22,10 +22,10 @@ struct DatasetEvaluation {
   FrameErrors* frame_errors = nullptr;  ///< filled where it is given
 };
 
-/// Predicted poses of the T frames of one view; (T, J, 3) in its camera's frame, NaN or empty where there are none.
+/// Predicted poses of the T frames of one view; empty where there are none.
 struct PredictedPoses {
-  std::vector<float> pose_in_camera;
-  std::vector<float> canonical;  ///< of a model, (T, J, 3)
+  PoseSequence pose_in_camera;  ///< with the axes of the camera, from any origin, in any unit
+  PoseSequence canonical;       ///< of a model
 };
 
 struct Predictor {

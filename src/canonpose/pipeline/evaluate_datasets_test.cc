@@ -31,7 +31,7 @@ Predictor PerfectPoses() {
   return {[](const Dataset&, const std::string&) {},
           [](const Sequence& sequence, std::size_t camera) {
             PredictedPoses poses{sequence.cameras[camera].truth, {}};
-            for (float& value : poses.pose_in_camera) value *= 2.0F;
+            for (float& value : poses.pose_in_camera.positions()) value *= 2.0F;
             return poses;
           }};
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "canonpose/base/error.h"
@@ -28,8 +29,10 @@ StartPoses LiftAll(const PoseLifter& lifter, const Dataset& dataset, const std::
   return start;
 }
 
-/// Poses (T, J, 3) with joints made from others; NaN where there is nothing to make one of. Centred on `root`.
-std::vector<float> MapPoses(const LayoutMapping& mapping, const std::vector<float>& poses, int root) {
+/// Poses with joints made from others; NaN where there is nothing to make one of. Centred on the root of the target.
+PoseSequence MapPoses(const LayoutMapping& mapping, const PoseSequence& lifted, const std::string& camera) {
+  const std::vector<float>& poses = lifted.positions();
+  const int root = mapping.target.root;
   const std::size_t source_joints = mapping.source.joints.size();
   const std::size_t joints = mapping.joints.size();
   const std::size_t frames = poses.size() / (3 * source_joints);
@@ -48,7 +51,7 @@ std::vector<float> MapPoses(const LayoutMapping& mapping, const std::vector<floa
     std::copy_n(target + 3 * root, 3, origin.begin());
     for (std::size_t i = 0; i < 3 * joints; ++i) target[i] -= origin[i % 3];
   }
-  return mapped;
+  return PosesAboutRoot(mapping.target, std::move(mapped), camera);
 }
 
 /// The same view with a pose for the starter: its joints, by name.
@@ -85,7 +88,7 @@ StartPoses StartFromStarter(const Dataset& dataset, const std::string& device) {
     start.sequences.emplace_back();
     for (const CameraView& view : sequence.cameras) {
       const LiftedPoses lifted = starter.Lift(MapView(to_starter, view), sequence.frame_count);
-      start.sequences.back().push_back(MapPoses(from_starter, lifted.pose_in_camera, dataset.skeleton.root));
+      start.sequences.back().push_back(MapPoses(from_starter, lifted.pose_in_camera, view.name));
     }
   }
   return start;

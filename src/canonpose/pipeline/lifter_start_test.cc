@@ -21,11 +21,13 @@ TEST(Bootstrap, TakesTheStarterForPeople) {
   const StartPoses start = Bootstrap(dataset, "data.h5", {});
   ASSERT_EQ(start.sequences.size(), 1U);
   ASSERT_EQ(start.sequences[0].size(), dataset.sequences[0].cameras.size());
-  EXPECT_EQ(start.sequences[0][0].size(), dataset.sequences[0].cameras[0].truth.size());
+  EXPECT_EQ(start.sequences[0][0].frame_count(), dataset.sequences[0].frame_count);
+  EXPECT_TRUE(start.sequences[0][0].skeleton().SameJoints(dataset.skeleton));
+  EXPECT_EQ(start.sequences[0][0].unit, LengthUnit::kEachItsOwn);
+  EXPECT_EQ(start.sequences[0][0].coordinate_frame.kind, CoordinateFrame::Kind::kRoot);
   EXPECT_GT(ShareStarted(start), 0.9);
   // Poses are centred on the root.
-  const auto root = 3 * static_cast<std::size_t>(dataset.skeleton.root);
-  EXPECT_NEAR(start.sequences[0][0][root], 0.0F, 1e-6);
+  EXPECT_NEAR(start.sequences[0][0].PoseAt(0)(dataset.skeleton.root, 0), 0.0F, 1e-6);
 }
 
 TEST(Bootstrap, TrainingALifterForItCanBeStopped) {

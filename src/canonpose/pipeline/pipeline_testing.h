@@ -23,9 +23,10 @@ inline double ShareStarted(const StartPoses& start) {
   double started = 0.0;
   double count = 0.0;
   for (const auto& sequence : start.sequences) {
-    for (const std::vector<float>& view : sequence) {
-      started += static_cast<double>(std::ranges::count_if(view, [](float value) { return std::isfinite(value); }));
-      count += static_cast<double>(view.size());
+    for (const PoseSequence& view : sequence) {
+      started += static_cast<double>(
+          std::ranges::count_if(view.positions(), [](float value) { return std::isfinite(value); }));
+      count += static_cast<double>(view.positions().size());
     }
   }
   return started / count;

@@ -26,6 +26,7 @@ struct CoordinateFrame {
     kWorld,   ///< of the scene (scene.h)
     kCamera,  ///< x right, y down, z forward; the origin is the camera's centre
     kRoot,    ///< axes of the camera; the origin is the root joint of each pose
+    kBody,    ///< axes that move with the body, as a lifter defines them; the origin is the root joint of each pose
   };
   Kind kind = Kind::kWorld;
   std::string camera;  ///< whose, for kCamera and kRoot
@@ -42,8 +43,8 @@ class PoseSequence {
   PoseSequence() = default;
   /// All joints missing.
   PoseSequence(Skeleton skeleton, int frame_count);
-  /// Takes over positions (T, J, 3); each joint that is not NaN has confidence 1. Throws std::logic_error where their
-  /// number is not a multiple of J poses.
+  /// Takes over positions (T, J, 3); each known joint has confidence 1. Throws std::logic_error where their number is
+  /// not a multiple of J poses.
   PoseSequence(Skeleton skeleton, std::vector<float> positions);
 
   [[nodiscard]] const Skeleton& skeleton() const { return skeleton_; }
@@ -56,6 +57,12 @@ class PoseSequence {
     return {positions_.data() + Offset(frame), joint_count(), 3};
   }
   [[nodiscard]] bool IsKnown(int frame, int joint) const { return PoseAt(frame).row(joint).allFinite(); }
+  [[nodiscard]] bool AnyKnown() const;
+
+  /// Sets the confidence of every joint: 1 where it is known, otherwise 0.
+  void TrustKnownJoints();
+  /// Keeps the frames first, first + step, ... up to last, which may lie beyond the end.
+  void KeepFrames(int first, int last, int step = 1);
 
   /// (T, J, 3), (T, J) 0..1, and (T, J) along the worst direction in `unit`, NaN where unknown; row-major.
   [[nodiscard]] std::vector<float>& positions() { return positions_; }
@@ -85,5 +92,12 @@ class PoseSequence {
   std::vector<float> confidence_;
   std::vector<float> standard_deviation_;
 };
+
+/// Poses (T, J, 3) in the frame of a camera; none where there are no positions.
+PoseSequence PosesInCamera(const Skeleton& skeleton, std::vector<float> positions, LengthUnit unit,
+                           const std::string& camera);
+
+/// The same for poses that are relative to their root joints and each of a scale of its own, as a lifter gives them.
+PoseSequence PosesAboutRoot(const Skeleton& skeleton, std::vector<float> positions, const std::string& camera);
 
 }  // namespace canonpose

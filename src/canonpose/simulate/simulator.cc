@@ -236,7 +236,7 @@ CameraView Simulator::MakeView(const SimulatedClip& clip, const std::vector<Eige
   view.image_size = filming.image_size;
   view.calibration = filming.cameras;
   const auto joints = static_cast<std::size_t>(layout_skeleton().joint_count());
-  view.truth = TruthInCamera(joints_mm, joints, filming, skeleton_from_layout_);
+  view.truth = TruthPoses(skeleton_, TruthInCamera(joints_mm, joints, filming, skeleton_from_layout_), view.name);
   if (!skeleton_from_layout_) {
     view.keypoints = detections.keypoints;
     view.confidence = detections.confidence;

@@ -55,8 +55,8 @@ TEST_P(NoiseFree, KeypointsAreTheProjectionsOfTheTruth) {
         ++seen;
         ASSERT_EQ(view.confidence[i], 1.0F);
         const Camera& camera = view.CalibrationAt(frame);
-        const Eigen::Vector2d pixel =
-            camera.ProjectFromCamera({view.truth[3 * i], view.truth[3 * i + 1], view.truth[3 * i + 2]});
+        const float* const truth = &view.truth.positions()[3 * i];
+        const Eigen::Vector2d pixel = camera.ProjectFromCamera({truth[0], truth[1], truth[2]});
         ASSERT_NEAR(view.keypoints[2 * i], pixel.x(), 2e-3) << view.name;
         ASSERT_NEAR(view.keypoints[2 * i + 1], pixel.y(), 2e-3) << view.name;
       }
@@ -76,12 +76,14 @@ TEST(Simulator, SameSeedSameBitsWhateverTheThreads) {
     EXPECT_EQ(one[n].sequence.name, three[n].sequence.name);
     for (std::size_t c = 0; c < one[n].sequence.cameras.size(); ++c) {
       EXPECT_TRUE(SameValues(one[n].sequence.cameras[c].keypoints, three[n].sequence.cameras[c].keypoints));
-      EXPECT_TRUE(SameValues(one[n].sequence.cameras[c].truth, three[n].sequence.cameras[c].truth));
+      EXPECT_TRUE(
+          SameValues(one[n].sequence.cameras[c].truth.positions(), three[n].sequence.cameras[c].truth.positions()));
     }
   }
   SimulationOptions other = Small();
   other.seed = 6;
-  EXPECT_FALSE(SameValues(Simulator(other).Make(0).sequence.cameras[0].truth, one[0].sequence.cameras[0].truth));
+  EXPECT_FALSE(SameValues(Simulator(other).Make(0).sequence.cameras[0].truth.positions(),
+                          one[0].sequence.cameras[0].truth.positions()));
 }
 
 TEST(Simulator, AClipDoesNotDependOnOtherClips) {
@@ -116,7 +118,7 @@ TEST(Simulator, TheSubjectStandsUprightAndFacesEveryWay) {
   int facing = 0;
   int away = 0;
   for (const SimulatedClip& clip : AllClips(Simulator(options), 2)) {
-    const float* truth = clip.sequence.cameras[0].truth.data();
+    const float* truth = clip.sequence.cameras[0].truth.positions().data();
     EXPECT_LT(truth[3 * at("Head") + 1], truth[3 * at("Hip") + 1]) << "y points down";
     EXPECT_LT(truth[3 * at("Hip") + 1], truth[3 * at("LFoot") + 1]);
     // A person who faces the camera has the left hip on the right of the image and the nose in front of the thorax.
@@ -147,7 +149,8 @@ TEST(Simulator, ALayoutIsMappedAsByImport) {
   // A derived joint lies between its sources, and so does its truth.
   const auto thigh = static_cast<std::size_t>(simulator.skeleton().Find("LHip").value());
   const auto other = static_cast<std::size_t>(simulator.skeleton().Find("RHip").value());
-  EXPECT_NEAR(view.truth[3 * hip], (view.truth[3 * thigh] + view.truth[3 * other]) / 2, 1e-2);
+  const std::vector<float>& truth = view.truth.positions();
+  EXPECT_NEAR(truth[3 * hip], (truth[3 * thigh] + truth[3 * other]) / 2, 1e-2);
 }
 
 class DetectorOnPeople : public ::testing::TestWithParam<std::string> {};

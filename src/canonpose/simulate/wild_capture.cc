@@ -202,13 +202,15 @@ CameraView MakeView(const JointSources& sources, const FilmingCamera& filming, c
   view.image_size = filming.image_size;
   view.keypoints.resize(frames * joints * 2);
   view.confidence.resize(frames * joints);
-  view.truth.reserve(frames * joints * 3);
+  std::vector<float> truth;
+  truth.reserve(frames * joints * 3);
   for (std::size_t t = 0; t < frames; ++t) {
     ApplyMapping(sources.skeleton_from_layout, &detections.keypoints[2 * t * layout_joints],
                  &detections.confidence[t * layout_joints], &view.keypoints[2 * t * joints],
                  &view.confidence[t * joints]);
-    AppendTruth(sources.skeleton_from_layout, &joints_mm[t * layout_joints], filming.cameras[t], view.truth);
+    AppendTruth(sources.skeleton_from_layout, &joints_mm[t * layout_joints], filming.cameras[t], truth);
   }
+  view.truth = TruthPoses(sources.skeleton_from_layout.target, std::move(truth), view.name);
   for (float& confidence : view.confidence) confidence = scale.Apply(confidence);
   return view;
 }

@@ -35,7 +35,8 @@ bool SameBits(const Sequence& a, const Sequence& b) {
   return a.name == b.name && std::equal(a.cameras.begin(), a.cameras.end(), b.cameras.begin(), b.cameras.end(),
                                         [](const CameraView& x, const CameraView& y) {
                                           return SameBits(x.keypoints, y.keypoints) &&
-                                                 SameBits(x.confidence, y.confidence) && SameBits(x.truth, y.truth);
+                                                 SameBits(x.confidence, y.confidence) &&
+                                                 SameBits(x.truth.positions(), y.truth.positions());
                                         });
 }
 
@@ -60,8 +61,8 @@ TEST(WildCapture, EveryBuiltinSkeletonCanBeMade) {
     ASSERT_EQ(clip.cameras.size(), 2U);
     const std::size_t joints = skeleton.joints.size();
     for (const CameraView& view : clip.cameras) {
-      ASSERT_EQ(view.truth.size(), 12 * joints * 3);
-      EXPECT_TRUE(std::all_of(view.truth.begin(), view.truth.end(), [](float x) { return std::isfinite(x); }));
+      ASSERT_EQ(view.truth.positions().size(), 12 * joints * 3);
+      EXPECT_EQ(view.truth.confidence(), std::vector<float>(12 * joints, 1.0F)) << "all of it is known";
       const auto found = std::count_if(view.confidence.begin(), view.confidence.end(), [](float c) { return c > 0; });
       EXPECT_GT(found, static_cast<long>(12 * joints * 6 / 10)) << skeleton.name;
     }
@@ -80,7 +81,7 @@ TEST(WildCapture, KeypointsMatchTheTruth) {
       for (std::size_t i = 0; i < view.confidence.size(); ++i) {
         if (!(view.confidence[i] > 0.0F)) continue;
         const double a = view.keypoints[2 * i + axis];
-        const double b = view.truth[3 * i + axis] / view.truth[3 * i + 2];
+        const double b = view.truth.positions()[3 * i + axis] / view.truth.positions()[3 * i + 2];
         n += 1, sum_a += a, sum_b += b, aa += a * a, bb += b * b, ab += a * b;
       }
       const double covariance = ab / n - sum_a * sum_b / (n * n);
@@ -94,7 +95,7 @@ TEST(WildCapture, ALayoutsDerivedJointsAreMeansOfOthers) {
   WildCaptureOptions options = Small();
   options.layout = "coco-17";
   const Sequence clip = MakeWildClip(Human(), options, 3);
-  const std::vector<float>& truth = clip.cameras[0].truth;
+  const std::vector<float>& truth = clip.cameras[0].truth.positions();
   const auto at = [&](const char* joint, std::size_t c) {
     return truth[3 * static_cast<std::size_t>(Human().Find(joint).value()) + c];
   };
@@ -123,9 +124,9 @@ TEST(WildCapture, UnknownJointsAreNeverSeen) {
   for (std::size_t t = 0; t < 12; ++t) {
     EXPECT_EQ(view.confidence[18 * t + 1], 0.0F);
     EXPECT_TRUE(std::isnan(view.keypoints[2 * (18 * t + 1)]));
-    EXPECT_TRUE(std::isnan(view.truth[3 * (18 * t + 1)]));
+    EXPECT_TRUE(std::isnan(view.truth.positions()[3 * (18 * t + 1)]));
     // The others are the same as without this joint.
-    EXPECT_EQ(view.truth[3 * (18 * t + 2)], without.cameras[1].truth[3 * (17 * t + 1)]);
+    EXPECT_EQ(view.truth.positions()[3 * (18 * t + 2)], without.cameras[1].truth.positions()[3 * (17 * t + 1)]);
     EXPECT_EQ(view.confidence[18 * t + 17], without.cameras[1].confidence[17 * t + 16]);
   }
 }

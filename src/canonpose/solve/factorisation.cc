@@ -314,8 +314,7 @@ StartPoses FactorisedStart(const Dataset& dataset, const std::string& file) {
       for (std::size_t c = 0; c < views.size(); ++c) {
         const auto v = static_cast<std::size_t>(capture.FindView(views[c].name));
         const Eigen::Matrix3d& rotation = found.camera_from_world[v];
-        std::vector<float>& poses = start.sequences[clip.sequence][c];
-        poses.assign(3 * static_cast<std::size_t>(clip.count) * joints, std::nanf(""));
+        std::vector<float> poses(3 * static_cast<std::size_t>(clip.count) * joints, std::nanf(""));
         for (std::size_t i = 0; i < static_cast<std::size_t>(clip.count) * joints; ++i) {
           const std::size_t first = static_cast<std::size_t>(clip.first) * joints;
           const std::size_t root = i / joints * joints + static_cast<std::size_t>(dataset.skeleton.root);
@@ -323,6 +322,7 @@ StartPoses FactorisedStart(const Dataset& dataset, const std::string& file) {
           for (std::size_t axis = 0; axis < 3; ++axis)
             poses[3 * i + axis] = static_cast<float>(p[static_cast<Eigen::Index>(axis)]);
         }
+        start.sequences[clip.sequence][c] = PosesAboutRoot(dataset.skeleton, std::move(poses), views[c].name);
       }
     }
   }

@@ -31,7 +31,8 @@ void AddCamera(CaptureObservations& capture, const CameraView& view, const Seque
 }
 
 void FillView(CaptureObservations& capture, const ClipRange& clip, int v, const CameraView& view,
-              const std::vector<float>& start) {
+              const PoseSequence& start_poses) {
+  const std::vector<float>& start = start_poses.positions();
   const auto joints = static_cast<std::size_t>(capture.joint_count());
   const ObservedCamera& camera = capture.cameras[static_cast<std::size_t>(v)];
   const std::array<double, 2> centre = {0.5 * camera.image_size_px[0], 0.5 * camera.image_size_px[1]};

@@ -17,10 +17,10 @@
 namespace canonpose {
 
 /// The poses that the solver starts from, found by a lifter in each view by itself, or by factorisation. Indexed like
-/// Dataset::sequences and their cameras; (T, J, 3) in the camera's frame, centred on the root, in any unit; NaN where
-/// the view was not lifted.
+/// Dataset::sequences and their cameras; relative to the root, with the axes of the camera, in any unit; missing in
+/// frames that were not lifted, empty where a whole view was not.
 struct StartPoses {
-  std::vector<std::vector<std::vector<float>>> sequences;
+  std::vector<std::vector<PoseSequence>> sequences;
 };
 
 /// Consecutive frames of one sequence.

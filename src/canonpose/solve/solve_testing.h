@@ -28,10 +28,10 @@ inline StartPoses NoisyTruth(const Dataset& dataset, const StartErrors& errors =
       const CameraView& view = dataset.sequences[s].cameras[c];
       Rng rng(seed, {s, c});
       const double scale = rng.Uniform(0.2, 5.0);
-      std::vector<float> poses(view.truth.size(), std::nanf(""));
+      std::vector<float> poses(view.truth.positions().size(), std::nanf(""));
       const auto joints = static_cast<std::size_t>(dataset.skeleton.joint_count());
-      for (std::size_t t = 0; t < view.truth.size() / (3 * joints); ++t) {
-        const float* truth = &view.truth[3 * t * joints];
+      for (std::size_t t = 0; t < static_cast<std::size_t>(view.truth.frame_count()); ++t) {
+        const float* truth = &view.truth.positions()[3 * t * joints];
         const Eigen::Vector3d turn = errors.turn_rad * Eigen::Vector3d(rng.Normal(), rng.Normal(), rng.Normal()) +
                                      Eigen::Vector3d::Constant(1e-9);
         const Eigen::AngleAxisd rotation(turn.norm(), turn.normalized());
@@ -48,7 +48,7 @@ inline StartPoses NoisyTruth(const Dataset& dataset, const StartErrors& errors =
           }
         }
       }
-      start.sequences.back().push_back(std::move(poses));
+      start.sequences.back().push_back(PosesAboutRoot(dataset.skeleton, std::move(poses), view.name));
     }
   }
   return start;

@@ -170,12 +170,18 @@ void WriteCameras(const CaptureObservations& capture, const RigEstimate& estimat
   }
 }
 
+/// The poses of a view in which no joint was solved.
+PoseSequence NothingSolved(const CaptureObservations& capture, const ClipRange& clip, const CameraView& view) {
+  PoseSequence solved(capture.skeleton, clip.count);
+  solved.unit = LengthUnit::kBodyLengths;
+  solved.coordinate_frame = {CoordinateFrame::Kind::kCamera, view.name};
+  return solved;
+}
+
 void WriteView(const CaptureObservations& capture, const Solution& solution, const std::vector<float>& uncertainty,
                const ClipRange& clip, int v, int offset_frames, CameraView& view) {
   const auto joints = static_cast<std::size_t>(capture.joint_count());
-  const std::size_t values = static_cast<std::size_t>(clip.count) * joints;
-  view.solved.assign(3 * values, std::nanf(""));
-  view.solved_uncertainty.assign(values, std::nanf(""));
+  view.solved = NothingSolved(capture, clip, view);
   for (int t = 0; t < clip.count; ++t) {
     const int frame = clip.first + t + offset_frames;  // the dataset keeps the camera's own time
     if (frame < clip.first || frame >= clip.first + clip.count) continue;
@@ -184,12 +190,11 @@ void WriteView(const CaptureObservations& capture, const Solution& solution, con
       const Eigen::Vector3d p = solution.estimate.InCamera(frame, v, static_cast<int>(j));
       if (!p.cast<float>().allFinite()) continue;
       const std::size_t i = static_cast<std::size_t>(t) * joints + j;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        view.solved[3 * i + axis] = static_cast<float>(p[static_cast<Eigen::Index>(axis)]);
-      }
-      view.solved_uncertainty[i] = uncertainty[static_cast<std::size_t>(frame) * joints + j];
+      view.solved.PoseAt(t).row(static_cast<Eigen::Index>(j)) = p.cast<float>().transpose();
+      view.solved.standard_deviation()[i] = uncertainty[static_cast<std::size_t>(frame) * joints + j];
     }
   }
+  view.solved.TrustKnownJoints();
   WriteCameras(capture, solution.estimate, clip, v, view);
 }
 
@@ -210,12 +215,11 @@ void WriteSolution(const CaptureObservations& capture, const Solution& solution,
   }
 }
 
-/// For a capture that was not solved: NaN where poses would be.
+/// For a capture that was not solved: missing joints where poses would be.
 void WriteNothing(const CaptureObservations& capture, Dataset& dataset) {
   for (const ClipRange& clip : capture.clips) {
     for (CameraView& view : dataset.sequences[clip.sequence].cameras) {
-      view.solved.assign(3 * view.confidence.size(), std::nanf(""));
-      view.solved_uncertainty.assign(view.confidence.size(), std::nanf(""));
+      view.solved = NothingSolved(capture, clip, view);
     }
   }
 }
@@ -246,8 +250,7 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
   const OneBlasThread one_thread;
   for (Sequence& sequence : dataset.sequences) {
     for (CameraView& view : sequence.cameras) {
-      view.solved.clear();
-      view.solved_uncertainty.clear();
+      view.solved = {};
       view.solved_calibration.clear();
     }
   }

@@ -23,9 +23,9 @@ struct SolveOptions {
   void Validate() const;
 };
 
-/// Solves every capture of the dataset and sets `solved`, `solved_uncertainty` and `solved_calibration`; what was there
-/// before is removed. Lengths are in the unit in which the bones of the capture's first subject add up to 1. What could
-/// not be solved is NaN, and the report says why.
+/// Solves every capture of the dataset and sets `solved` and `solved_calibration`; what was there before is removed.
+/// Lengths are in the unit in which the bones of the capture's first subject add up to 1. What could not be solved is NaN, and
+/// the report says why.
 ///
 /// Throws Error(kComputation) with the reasons where no capture can be solved.
 SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions& options);

@@ -49,13 +49,13 @@ std::vector<double> ErrorsMm(const Sequence& sequence, const Skeleton& skeleton)
   double product = 0.0;
   double squares = 0.0;
   for (const CameraView& view : sequence.cameras) {
-    for (std::size_t i = 0; i < view.truth.size() / 3; ++i) {
+    for (std::size_t i = 0; i < view.truth.positions().size() / 3; ++i) {
       const std::size_t root = i / joints * joints + static_cast<std::size_t>(skeleton.root);
       const auto at = [](const std::vector<float>& p, std::size_t k) {
         return Eigen::Vector3d(p[3 * k], p[3 * k + 1], p[3 * k + 2]);
       };
-      const Eigen::Vector3d s = at(view.solved, i) - at(view.solved, root);
-      const Eigen::Vector3d t = at(view.truth, i) - at(view.truth, root);
+      const Eigen::Vector3d s = at(view.solved.positions(), i) - at(view.solved.positions(), root);
+      const Eigen::Vector3d t = at(view.truth.positions(), i) - at(view.truth.positions(), root);
       if (!s.allFinite() || !t.allFinite()) continue;
       solved.push_back(s);
       truth.push_back(t);
@@ -81,13 +81,22 @@ TEST(Solve, ExactKeypointsOfAStaticRigGiveTheTruth) {
   for (const CameraView& view : dataset.sequences[0].cameras) {
     ASSERT_THAT(view.solved_calibration, SizeIs(1));
     EXPECT_NEAR(view.solved_calibration[0].K(0, 0) / view.calibration[0].K(0, 0), 1.0, 1e-3) << view.name;
+    EXPECT_EQ(view.solved.unit, LengthUnit::kBodyLengths);
+    EXPECT_EQ(view.solved.coordinate_frame, (CoordinateFrame{CoordinateFrame::Kind::kCamera, view.name}));
+    EXPECT_FALSE(LacksUncertainty(view.solved));
+    for (int t = 0; t < view.solved.frame_count(); ++t) {
+      for (int j = 0; j < view.solved.joint_count(); ++j) {
+        const auto i = static_cast<std::size_t>(t * view.solved.joint_count() + j);
+        ASSERT_EQ(view.solved.confidence()[i], view.solved.IsKnown(t, j) ? 1.0F : 0.0F);
+      }
+    }
   }
 }
 
 /// The mirror of the start's poses in depth.
 StartPoses Mirrored(StartPoses start) {
-  for (std::vector<float>& view : start.sequences[0]) {
-    for (std::size_t i = 2; i < view.size(); i += 3) view[i] = -view[i];
+  for (PoseSequence& view : start.sequences[0]) {
+    for (int t = 0; t < view.frame_count(); ++t) view.PoseAt(t).col(2) *= -1.0F;
   }
   return start;
 }
@@ -126,8 +135,8 @@ TEST(Solve, MovingCamerasNearTheTruth) {
 bool SameBits(const Dataset& a, const Dataset& b) {
   for (std::size_t s = 0; s < a.sequences.size(); ++s) {
     for (std::size_t c = 0; c < a.sequences[s].cameras.size(); ++c) {
-      const std::vector<float>& x = a.sequences[s].cameras[c].solved;
-      const std::vector<float>& y = b.sequences[s].cameras[c].solved;
+      const std::vector<float>& x = a.sequences[s].cameras[c].solved.positions();
+      const std::vector<float>& y = b.sequences[s].cameras[c].solved.positions();
       if (x.size() != y.size() || std::memcmp(x.data(), y.data(), x.size() * sizeof(float)) != 0) return false;
     }
   }
@@ -166,8 +175,8 @@ TEST(Solve, WindowsGiveWhatOneLargeWindowGives) {
   Solve(large, testing::NoisyTruth(large), solve);
   std::vector<double> differences;
   for (std::size_t c = 0; c < small.sequences[0].cameras.size(); ++c) {
-    const std::vector<float>& x = small.sequences[0].cameras[c].solved;
-    const std::vector<float>& y = large.sequences[0].cameras[c].solved;
+    const std::vector<float>& x = small.sequences[0].cameras[c].solved.positions();
+    const std::vector<float>& y = large.sequences[0].cameras[c].solved.positions();
     ASSERT_EQ(x.size(), y.size());
     for (std::size_t i = 0; i < x.size(); ++i) {
       if (std::isfinite(x[i])) differences.push_back(std::abs(x[i] - y[i]));
@@ -187,7 +196,7 @@ void Delay(CameraView& view, int joints, int frames) {
   };
   delay(view.keypoints, 2, std::nanf(""));
   delay(view.confidence, 1, 0.0F);
-  delay(view.truth, 3, std::nanf(""));
+  delay(view.truth.positions(), 3, std::nanf(""));
 }
 
 TEST(Solve, ADelayedCameraIsSolvedAtItsOwnFrames) {

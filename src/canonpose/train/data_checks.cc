@@ -98,8 +98,10 @@ std::string FingerprintOf(const Dataset& dataset, const TrainOptions& options) {
   Fingerprint fingerprint;
   for (const Sequence& sequence : dataset.sequences) {
     for (const CameraView& view : sequence.cameras) {
-      if (target != TrainingTarget::kViews) AddValues(fingerprint, TargetPoses(view, target));
-      if (target == TrainingTarget::kSolved) AddValues(fingerprint, view.solved_uncertainty);
+      if (target != TrainingTarget::kViews) AddValues(fingerprint, TargetPoses(view, target).positions());
+      if (target == TrainingTarget::kSolved && !LacksUncertainty(view.solved)) {
+        AddValues(fingerprint, view.solved.standard_deviation());
+      }
       if (options.new_views > 0.0) AddCameras(fingerprint, TargetCameras(view, target));
       if (!sees_known_cameras) continue;
       AddCameras(fingerprint, view.solved_calibration);

@@ -30,8 +30,8 @@ TEST(Distillation, SolvedPosesAreLearnedAsTrueOnesAre) {
   solved.options.supervision = Supervision::kSolved;
   for (CameraView& view : solved.datasets[0].sequences[0].cameras) {
     view.solved = view.truth;  // in another unit
-    for (float& value : view.solved) value *= 0.25F;
-    view.truth.clear();
+    for (float& value : view.solved.positions()) value *= 0.25F;
+    view.truth = {};
   }
   const TrainReport report = Train(solved);
   EXPECT_EQ(report.model.info.mirror.decision, "known from the solution");
@@ -46,7 +46,7 @@ TEST(Distillation, SolvedPosesAreLearnedAsTrueOnesAre) {
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(solved); }), HasSubstr("solved cameras"));
   solved.options.new_views = 0.0;
   solved.resume = true;
-  solved.datasets[0].sequences[0].cameras[0].solved[4] += 0.1F;
+  solved.datasets[0].sequences[0].cameras[0].solved.positions()[4] += 0.1F;
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(solved); }), HasSubstr("fingerprint"));
 }
 
@@ -55,9 +55,9 @@ TEST(Distillation, UncertainJointsCountLess) {
   Rng rng(1);
   for (CameraView& view : dataset.sequences[0].cameras) {
     view.solved = view.truth;
-    for (int i = 0; i < 20 * kJoints; ++i) view.solved_uncertainty.push_back(0.02F);
-    view.solved_uncertainty[3] = 0.06F;
-    view.solved_uncertainty[4] = std::numeric_limits<float>::quiet_NaN();
+    view.solved.standard_deviation().assign(static_cast<std::size_t>(20 * kJoints), 0.02F);
+    view.solved.standard_deviation()[3] = 0.06F;
+    view.solved.standard_deviation()[4] = std::numeric_limits<float>::quiet_NaN();
   }
   const TrainingSplit split =
       MakeTrainingSplit({dataset}, 0.2, {TrainingTarget::kSolved, {}, /*uncertainty_weights=*/true});

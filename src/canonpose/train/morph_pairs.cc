@@ -47,8 +47,8 @@ void AddView(const CameraView& view, int frame_count, const Skeleton& skeleton, 
 }
 
 Eigen::Vector2d ProjectTruth(const CameraView& view, int frame, std::size_t index) {
-  return view.CalibrationAt(frame).ProjectFromCamera(
-      {view.truth[3 * index], view.truth[3 * index + 1], view.truth[3 * index + 2]});
+  const float* const position = &view.truth.positions()[3 * index];
+  return view.CalibrationAt(frame).ProjectFromCamera({position[0], position[1], position[2]});
 }
 
 const CameraView& FindCamera(const Sequence& sequence, const std::string& name, const std::string& file) {

@@ -79,7 +79,7 @@ TEST(MorphPairs, RefuseDatasetsThatDoNotBelongTogether) {
       ErrorOf(ErrorKind::kBadInput, [&] { AddPairsOfDatasets(PuppetShow(20, 3), "a.h5", detected, "b.h5", pairs); }),
       HasSubstr("camera"));
   Dataset bare = detected;
-  for (CameraView& view : bare.sequences[0].cameras) view.truth.clear();
+  for (CameraView& view : bare.sequences[0].cameras) view.truth = {};
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { AddPairsOfTruth(bare, "a.h5", pairs); }), HasSubstr("`exact`"));
 }
 

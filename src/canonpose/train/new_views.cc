@@ -51,7 +51,7 @@ Eigen::Vector3d DownInCamera(const Sequence& sequence, const CameraView& view, i
 /// lengths and smooth motion fix the rest), so that the 2V residuals are smaller than the errors by sqrt(1 - 2 / (2V)).
 double ErrorFactor(const Sequence& sequence, std::size_t value) {
   const auto views = std::count_if(sequence.cameras.begin(), sequence.cameras.end(), [&](const CameraView& view) {
-    return !view.solved.empty() && std::isfinite(view.solved[3 * value]) && view.confidence[value] > 0.0F;
+    return !view.solved.empty() && std::isfinite(view.solved.positions()[3 * value]) && view.confidence[value] > 0.0F;
   });
   return views < 2 ? 1.0 : std::sqrt(static_cast<double>(views) / static_cast<double>(views - 1));
 }
@@ -99,7 +99,7 @@ void NewViews::AddRow(const std::vector<Dataset>& datasets, const RowForm& form,
   const auto joints = static_cast<std::size_t>(joints_);
   const std::size_t first = static_cast<std::size_t>(source.frame) * joints;
   const std::size_t offset = static_cast<std::size_t>(row) * joints;
-  std::copy_n(TargetPoses(view, form.target).begin() + static_cast<std::ptrdiff_t>(3 * first), 3 * joints,
+  std::copy_n(TargetPoses(view, form.target).positions().begin() + static_cast<std::ptrdiff_t>(3 * first), 3 * joints,
               poses_.begin() + static_cast<std::ptrdiff_t>(3 * offset));
   std::vector<Eigen::Vector2d> projected;
   for (int j = 0; j < joints_; ++j) projected.push_back(lens.camera.ProjectFromCamera(Joint(row, j)));

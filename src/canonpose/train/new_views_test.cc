@@ -47,12 +47,13 @@ Dataset Filmed(double noise) {
     camera.distortion = {-0.1, 0.02, 0.001, 0.0};
     camera.camera_from_world_rotation = rotation;
     view.calibration = {camera};
+    std::vector<float> truth;
     for (int t = 0; t < kFrames; ++t) {
       const Eigen::Vector3d root(rng.Uniform(-800, 800), rng.Uniform(-500, 500), rng.Uniform(3500, 5000));
       for (int j = 0; j < kFilmedJoints; ++j) {
         Eigen::Vector3d point = root;
         if (j != dataset.skeleton.root) point += 400.0 * Eigen::Vector3d(rng.Normal(), rng.Normal(), rng.Normal());
-        for (const double value : point) view.truth.push_back(static_cast<float>(value));
+        for (const double value : point) truth.push_back(static_cast<float>(value));
         const Eigen::Vector2d pixel =
             camera.ProjectFromCamera(point) + 100.0 * noise * Eigen::Vector2d(rng.Normal(), rng.Normal());
         view.keypoints.push_back(static_cast<float>(pixel.x()));
@@ -60,6 +61,7 @@ Dataset Filmed(double noise) {
         view.confidence.push_back(static_cast<float>(rng.Uniform(0.3, 1.0)));
       }
     }
+    view.truth = TruthPoses(dataset.skeleton, std::move(truth), view.name);
     sequence.cameras.push_back(view);
   }
   dataset.sequences.push_back(sequence);
@@ -146,7 +148,7 @@ TEST(NewViews, WithoutDetectorErrorsTheNewKeypointsAreTheProjectionOfTheNewPose)
     for (std::size_t i = 0; i < view.confidence.size(); ++i) {
       for (std::size_t axis = 0; axis < 2; ++axis) {
         view.keypoints[2 * i + axis] =
-            1100 * view.truth[3 * i + axis] / view.truth[3 * i + 2] + (axis == 0 ? 500 : 450);
+            1100 * view.truth.positions()[3 * i + axis] / view.truth.positions()[3 * i + 2] + (axis == 0 ? 500 : 450);
       }
     }
   }
@@ -162,7 +164,7 @@ TEST(NewViews, WithoutDetectorErrorsTheNewKeypointsAreTheProjectionOfTheNewPose)
     ASSERT_TRUE(views.See(row, camera, after.row()));
     const RowSource& source = split.training.sources[static_cast<std::size_t>(row)];
     const CameraView& view = dataset.sequences[0].cameras[static_cast<std::size_t>(source.camera)];
-    const float* truth = &view.truth[static_cast<std::size_t>(source.frame) * kFilmedJoints * 3];
+    const float* truth = &view.truth.positions()[static_cast<std::size_t>(source.frame) * kFilmedJoints * 3];
     const int root = dataset.skeleton.root;
     Eigen::Vector3d root_mm(truth[3 * root], truth[3 * root + 1], truth[3 * root + 2]);
     double squares = 0.0;
@@ -184,7 +186,7 @@ TEST(NewViews, WithoutDetectorErrorsTheNewKeypointsAreTheProjectionOfTheNewPose)
 
 TEST(NewViews, CamerasTurnAboutTheVerticalAndKeepTheirTilt) {
   const Dataset dataset = Filmed(0.0);
-  const RowForm form = Form("off");
+  const RowForm form = Form(RayForm::kOff);
   const TrainingSplit split = MakeTrainingSplit({dataset}, 0.0, form);
   const NewViews views({dataset}, split.training, form);
   const Eigen::Vector3d down =
@@ -213,7 +215,7 @@ TEST(NewViews, CamerasTurnAboutTheVerticalAndKeepTheirTilt) {
 TEST(NewViews, RowsWithoutACameraStayAsTheyAre) {
   Dataset dataset = Filmed(0.0);
   dataset.sequences[0].cameras[1].calibration.clear();
-  const RowForm form = Form("off");
+  const RowForm form = Form(RayForm::kOff);
   const TrainingSplit split = MakeTrainingSplit({dataset}, 0.0, form);
   const NewViews views({dataset}, split.training, form);
   const Copy before(split.training, 1);

@@ -64,6 +64,7 @@ inline Dataset PuppetShow(int frames, int cameras, std::uint64_t seed = 1) {
     view.name = "cam" + std::to_string(c);
     view.image_size = {1000, 1000};
     const double tilt = kTilts[c % 4];
+    std::vector<float> positions;
     for (int t = 0; t < frames; ++t) {
       const double time = 0.13 * t;
       const double azimuth = 0.3 + 1.1 * c + 0.4 * std::sin(0.31 * time);
@@ -75,9 +76,10 @@ inline Dataset PuppetShow(int frames, int cameras, std::uint64_t seed = 1) {
         view.keypoints.push_back(static_cast<float>(500 + 800 * x / z + 0.3 * rng.Normal()));
         view.keypoints.push_back(static_cast<float>(500 + 800 * y / z + 0.3 * rng.Normal()));
         view.confidence.push_back(0.9F);
-        view.truth.insert(view.truth.end(), {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
+        positions.insert(positions.end(), {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
       }
     }
+    view.truth = TruthPoses(dataset.skeleton, std::move(positions), view.name);
     sequence.cameras.push_back(view);
   }
   dataset.sequences.push_back(sequence);

@@ -49,7 +49,8 @@ std::pair<double, double> MeanDistances(const Dataset& dataset) {
     for (const CameraView& view : sequence.cameras) {
       for (std::size_t i = 0; i < view.confidence.size(); ++i) {
         const double pixel = std::hypot(view.keypoints[2 * i], view.keypoints[2 * i + 1]);
-        const double mm = std::hypot(view.truth[3 * i], view.truth[3 * i + 1], view.truth[3 * i + 2]);
+        const float* const joint = &view.truth.positions()[3 * i];
+        const double mm = std::hypot(joint[0], joint[1], joint[2]);
         if (!std::isfinite(pixel) || !std::isfinite(mm)) continue;
         keypoints += pixel;
         joints += mm;

@@ -51,7 +51,7 @@ Dataset CalibratedRing(int frames, int cameras) {
       const Eigen::Vector3d point = Eigen::Vector3d::Map(puppet[i % kJoints].data());
       const Eigen::Vector3d in_camera = camera.InCamera(point);
       for (int axis = 0; axis < 3; ++axis)
-        view.truth[3 * i + static_cast<std::size_t>(axis)] = static_cast<float>(in_camera[axis]);
+        view.truth.positions()[3 * i + static_cast<std::size_t>(axis)] = static_cast<float>(in_camera[axis]);
       const Eigen::Vector2d pixel = camera.Project(point);
       for (int axis = 0; axis < 2; ++axis)
         view.keypoints[2 * i + static_cast<std::size_t>(axis)] = static_cast<float>(pixel[axis]);
@@ -76,7 +76,7 @@ double DepthCorrelation(LiftingNetwork& lifter, const Dataset& dataset) {
   double predicted_squares = 0.0;
   double true_squares = 0.0;
   for (std::size_t row = 0; row < static_cast<std::size_t>(depth.size(0)); ++row) {
-    const float* truth = &cameras[row % cameras.size()].truth[row / cameras.size() * kJoints * 3];
+    const float* truth = &cameras[row % cameras.size()].truth.positions()[row / cameras.size() * kJoints * 3];
     for (std::size_t j = 1; j < kJoints; ++j) {
       const double actual = truth[3 * j + 2] - truth[2];
       const double predicted = predictions[row * kJoints + j] - predictions[row * kJoints];
@@ -301,7 +301,7 @@ TEST(Train, WithACalibrationDepthsAreLearnedFromTriangulatedPoses) {
   const TemporaryFolder folder;
   TrainJob job = Job(folder, "run", "epipolar");
   job.datasets = {CalibratedRing(120, 3)};
-  for (CameraView& view : job.datasets[0].sequences[0].cameras) view.truth.clear();
+  for (CameraView& view : job.datasets[0].sequences[0].cameras) view.truth = {};
   job.options.width = 32;
   job.options.epochs = 150;
   job.options.learning_rate = 2e-3;
@@ -319,7 +319,7 @@ TEST(Train, WithTruthDepthsAreLearnedTheRightWayRound) {
   TrainJob job = Job(folder, "run", "supervised");
   job.datasets = {PuppetShow(120, 2)};
   // The truth of some frames is unknown in one camera.
-  std::vector<float>& truth = job.datasets[0].sequences[0].cameras[0].truth;
+  std::vector<float>& truth = job.datasets[0].sequences[0].cameras[0].truth.positions();
   std::fill(truth.begin(), truth.begin() + 20 * kJoints * 3, std::numeric_limits<float>::quiet_NaN());
   job.options.width = 32;
   job.options.epochs = 150;
@@ -340,7 +340,7 @@ TEST(Train, WithTruthDepthsAreLearnedTheRightWayRound) {
 TEST(Train, SupervisionWithoutTruthIsRefused) {
   const TemporaryFolder folder;
   TrainJob job = Job(folder, "run", "supervised");
-  for (CameraView& view : job.datasets[0].sequences[0].cameras) view.truth.clear();
+  for (CameraView& view : job.datasets[0].sequences[0].cameras) view.truth = {};
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(job); }), HasSubstr("show.h5: expected truth"));
   job.options.supervision = Supervision::kSolved;
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(job); }), HasSubstr("run `canonpose solve` first"));
@@ -495,7 +495,7 @@ TEST(Train, ResumingWithOtherTruthIsRefused) {
   Train(job);
   job.resume = true;
   Train(job);
-  job.datasets[0].sequences[0].cameras[0].truth[4] += 100.0F;
+  job.datasets[0].sequences[0].cameras[0].truth.positions()[4] += 100.0F;
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(job); }), HasSubstr("fingerprint"));
 }
 

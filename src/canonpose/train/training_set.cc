@@ -95,7 +95,7 @@ class Builder {
 
   /// Appends the target of a view. False where too little of it is known.
   bool AddTarget(const CameraView& view, int t, TrainingSet& set) {
-    const std::vector<float>& poses = TargetPoses(view, form_.target);
+    const std::vector<float>& poses = TargetPoses(view, form_.target).positions();
     if (poses.empty()) return false;
     const auto joints = static_cast<std::size_t>(set.joint_count);
     const std::size_t offset = static_cast<std::size_t>(t) * joints;
@@ -106,9 +106,9 @@ class Builder {
     set.target.insert(set.target.end(), target_.begin(), target_.end());
     if (!form_.uncertainty_weights) return true;
     for (std::size_t j = 0; j < joints; ++j) {
-      set.target_weight.push_back(view.solved_uncertainty.empty()
-                                      ? std::numeric_limits<float>::quiet_NaN()
-                                      : static_cast<float>(view.solved_uncertainty[offset + j] / *norm));
+      const float uncertainty = form_.target == TrainingTarget::kSolved ? view.solved.standard_deviation()[offset + j]
+                                                                        : std::numeric_limits<float>::quiet_NaN();
+      set.target_weight.push_back(static_cast<float>(uncertainty / *norm));
     }
     return true;
   }
@@ -159,7 +159,7 @@ TrainingTarget TargetOf(Supervision supervision) {
   return supervision == Supervision::kTruth ? TrainingTarget::kTruth : TrainingTarget::kSolved;
 }
 
-const std::vector<float>& TargetPoses(const CameraView& view, TrainingTarget target) {
+const PoseSequence& TargetPoses(const CameraView& view, TrainingTarget target) {
   return target == TrainingTarget::kSolved ? view.solved : view.truth;
 }
 

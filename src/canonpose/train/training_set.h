@@ -80,8 +80,8 @@ enum class TrainingTarget {
 /// Triangulated poses take the place of solved ones (train/triangulated_targets.h).
 TrainingTarget TargetOf(Supervision supervision);
 
-/// The poses of a view to learn, (T, J, 3), and the cameras that belong to them; empty where there are none.
-const std::vector<float>& TargetPoses(const CameraView& view, TrainingTarget target);
+/// The poses of a view to learn and the cameras that belong to them; empty where there are none.
+const PoseSequence& TargetPoses(const CameraView& view, TrainingTarget target);
 const std::vector<Camera>& TargetCameras(const CameraView& view, TrainingTarget target);
 
 /// The target (3J) that a pose (J, 3) makes: rotated, centred on the root, divided by its Frobenius norm over the known

@@ -8,11 +8,10 @@ namespace canonpose {
 
 void LearnFromTriangulation(Dataset& dataset) {
   for (Sequence& sequence : dataset.sequences) {
-    SequencePoses triangulated = TriangulateSequence(sequence, dataset.skeleton.joint_count());
+    SequencePoses triangulated = TriangulateSequence(sequence, dataset.skeleton);
     for (std::size_t c = 0; c < sequence.cameras.size(); ++c) {
       CameraView& view = sequence.cameras[c];
       view.solved = std::move(triangulated.poses_in_camera[c]);
-      view.solved_uncertainty.clear();
       view.solved_calibration = view.calibration;
     }
   }

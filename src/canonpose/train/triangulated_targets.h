@@ -8,7 +8,7 @@
 namespace canonpose {
 
 /// Replaces solved poses by triangulated ones (TriangulateSequence() of data/sequence_triangulation.h), and solved
-/// cameras by the calibrated ones.
+/// cameras by the calibrated ones. Both are then in millimetres, and no uncertainty is known.
 void LearnFromTriangulation(Dataset& dataset);
 
 }  // namespace canonpose

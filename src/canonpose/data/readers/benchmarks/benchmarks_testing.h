@@ -76,18 +76,18 @@ inline void ExpectNear(const std::vector<float>& found, const std::filesystem::p
 /// Checks that the truth of a calibrated view projects to its keypoints.
 inline void ExpectTruthProjects(const CameraView& view, int frames, double tolerance_px) {
   const std::size_t joints = view.confidence.size() / static_cast<std::size_t>(frames);
+  const std::vector<float>& truth = view.truth.positions();
   for (std::size_t i = 0; i < view.confidence.size(); ++i) {
-    if (std::isnan(view.truth[3 * i])) continue;
+    if (std::isnan(truth[3 * i])) continue;
     const Camera& camera = view.CalibrationAt(static_cast<int>(i / joints));
-    const Eigen::Vector2d pixel =
-        camera.ProjectFromCamera({view.truth[3 * i], view.truth[3 * i + 1], view.truth[3 * i + 2]});
+    const Eigen::Vector2d pixel = camera.ProjectFromCamera({truth[3 * i], truth[3 * i + 1], truth[3 * i + 2]});
     ASSERT_NEAR(pixel.x(), view.keypoints[2 * i], tolerance_px) << view.name << " " << i;
     ASSERT_NEAR(pixel.y(), view.keypoints[2 * i + 1], tolerance_px) << view.name << " " << i;
   }
 }
 
 inline void ExpectRightIsRight(const Dataset& dataset, const CameraView& view) {
-  const SideCheck sides = CheckSides(dataset.skeleton, view.truth);
+  const SideCheck sides = CheckSides(dataset.skeleton, view.truth.positions());
   EXPECT_TRUE(sides.measured);
   EXPECT_FALSE(sides.arms_swapped || sides.legs_swapped);
 }

@@ -149,7 +149,7 @@ void BenchmarkBuilder::Add(Sequence sequence, const std::filesystem::path& file)
   ChooseCameras(sequence, options_.cameras, file.string());
   for (CameraView& view : sequence.cameras) {
     MapKeypoints(view, keypoints_);
-    if (!view.truth.empty()) view.truth = MapPoses(view.truth, truth_);
+    view.truth = TruthPoses(truth_.target, MapPoses(view.truth.positions(), truth_), view.name);
   }
   dataset_.sequences.push_back(std::move(sequence));
 }
@@ -174,9 +174,9 @@ Dataset BenchmarkBuilder::Finish(double confidence_scale) {
 
 double MedianProjectionError(const CameraView& view, const Camera& camera) {
   std::vector<double> distances;
-  for (std::size_t i = 0; i < view.confidence.size() && 3 * i + 2 < view.truth.size(); ++i) {
-    const Eigen::Vector2d pixel =
-        camera.ProjectFromCamera({view.truth[3 * i], view.truth[3 * i + 1], view.truth[3 * i + 2]});
+  const std::vector<float>& truth = view.truth.positions();
+  for (std::size_t i = 0; i < view.confidence.size() && 3 * i + 2 < truth.size(); ++i) {
+    const Eigen::Vector2d pixel = camera.ProjectFromCamera({truth[3 * i], truth[3 * i + 1], truth[3 * i + 2]});
     const double distance = (pixel - Eigen::Vector2d(view.keypoints[2 * i], view.keypoints[2 * i + 1])).norm();
     if (std::isfinite(distance)) distances.push_back(distance);
   }

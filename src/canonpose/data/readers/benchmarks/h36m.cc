@@ -295,11 +295,13 @@ class Human36mImporter {
     if (camera == nullptr) return view;
     view.calibration = {*camera};
     if (!world_mm) return view;
+    std::vector<float> truth;
     for (std::size_t i = 0; i < frames * kHuman36mJoints; ++i) {
       const float* const point = &(*world_mm)[3 * i];
       const Eigen::Vector3d in_camera = camera->InCamera({point[0], point[1], point[2]});
-      for (int axis = 0; axis < 3; ++axis) view.truth.push_back(static_cast<float>(in_camera[axis]));
+      for (int axis = 0; axis < 3; ++axis) truth.push_back(static_cast<float>(in_camera[axis]));
     }
+    view.truth = TruthPoses(BenchmarkLayout("h36m-17"), std::move(truth), view.name);
     const double error_px = files_.layout == "h36m" ? MedianProjectionError(view, *camera) : std::nan("");
     if (std::isfinite(error_px)) errors_px_.push_back(error_px);
     return view;

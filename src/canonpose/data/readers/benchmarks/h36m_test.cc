@@ -39,7 +39,7 @@ TEST(H36mTest, KeypointsAndTruthOfEveryCamera) {
     for (const CameraView& view : sequence.cameras) {
       const std::string key = fmt::format("{}|{}", sequence.name, view.name);
       ExpectNear(view.keypoints, File("h36m/expected.npz"), key + "|keypoints");
-      ExpectNear(view.truth, File("h36m/expected.npz"), key + "|truth");
+      ExpectNear(view.truth.positions(), File("h36m/expected.npz"), key + "|truth");
       ExpectTruthProjects(view, sequence.frame_count, kTolerance);
       EXPECT_EQ(view.confidence, std::vector<float>(12 * 17, 1.0F));
     }
@@ -80,7 +80,8 @@ TEST(H36mTest, OtherSkeletonsCamerasAndForms) {
   ASSERT_EQ(sequence.cameras.size(), 2U);
   const CameraView& view = Find(sequence, "60457274");
   const CameraView& other = Find(Find(whole, "S1 Walking 1"), "60457274");
-  for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_EQ(view.truth[3 * 6 + axis], other.truth[axis]) << "the root";
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    EXPECT_EQ(view.truth.PoseAt(0)(6, axis), other.truth.PoseAt(0)(0, axis)) << "the root";
   options.cameras = {"1"};
   EXPECT_THAT(Refusal(options), AllOf(HasSubstr("camera 1, as `cameras` says"), HasSubstr("54138969, 55011271")));
 
@@ -102,7 +103,8 @@ TEST(H36mTest, UnitAndSidesAreReported) {
   const auto [mm, mm_log] = Import(with_3d("h36m_3d_mm.npz"));
   EXPECT_THAT(mm_log, HasSubstr("3D poses are in mm"));
   for (std::size_t i = 0; i < 17 * 3; ++i) {
-    EXPECT_NEAR(mm.sequences[0].cameras[2].truth[i], metres.sequences[0].cameras[2].truth[i], kTolerance);
+    EXPECT_NEAR(mm.sequences[0].cameras[2].truth.positions()[i], metres.sequences[0].cameras[2].truth.positions()[i],
+                kTolerance);
   }
   EXPECT_THAT(Refusal(with_3d("h36m_3d_unit.npz")),
               AllOf(HasSubstr("legs of 300 to 1300 mm"), HasSubstr("e+05 units")));

@@ -32,7 +32,7 @@ TEST(Mpi3dhpTrainTest, SeventeenJointsOfTwentyEight) {
     for (const char* const camera : {"0", "7"}) {
       ExpectNear(Find(sequence, camera).keypoints, File("3dhp_train/expected.npz"),
                  fmt::format("{}|{}|keypoints", name, camera));
-      ExpectNear(Find(sequence, camera).truth, File("3dhp_train/expected.npz"),
+      ExpectNear(Find(sequence, camera).truth.positions(), File("3dhp_train/expected.npz"),
                  fmt::format("{}|{}|truth", name, camera));
     }
     EXPECT_EQ(sequence.cameras[3].image_size, (std::array{2048, 2048}));
@@ -56,7 +56,7 @@ TEST(Mpi3dhpTrainTest, CalibrationTruthAndCamerasByChoice) {
   options.skeleton = "h36m-17";
   const Dataset universal = Import(options).dataset;
   EXPECT_EQ(universal.sequences[0].truth_kind, "univ_annot3");
-  ExpectNear(Find(universal.sequences[0], "7").truth, File("3dhp_train/expected.npz"), "S1 Seq1|7|univ");
+  ExpectNear(Find(universal.sequences[0], "7").truth.positions(), File("3dhp_train/expected.npz"), "S1 Seq1|7|univ");
 
   options.truth.clear();
   options.skeleton = "native";
@@ -118,8 +118,8 @@ TEST(Mpi3dhpTestTest, OneCameraAndValidFrames) {
     EXPECT_EQ(sequence.truth_kind, "univ_annot3");
     EXPECT_EQ(sequence.frame_count, 12);
     ExpectNear(view.keypoints, File("3dhp_test/expected.npz"), sequence.name + "|keypoints");
-    ExpectNear(view.truth, File("3dhp_test/expected.npz"), sequence.name + "|univ_annot3");
-    EXPECT_TRUE(std::isnan(view.truth[2 * 17 * 3])) << "a frame that is not valid";
+    ExpectNear(view.truth.positions(), File("3dhp_test/expected.npz"), sequence.name + "|univ_annot3");
+    EXPECT_TRUE(std::isnan(view.truth.positions()[2 * 17 * 3])) << "a frame that is not valid";
     EXPECT_EQ(sequence.actions.size(), 7U);
     EXPECT_THAT(sequence.action, ElementsAre(0, 0, 0, 0, 3, 3, 3, 3, 5, 5, 5, 5));
   }
@@ -132,7 +132,8 @@ TEST(Mpi3dhpTestTest, OneCameraAndValidFrames) {
 
   BenchmarkOptions options = Options("3dhp-test", {kTest5});
   options.truth = "annot3";
-  ExpectNear(Import(options).dataset.sequences[0].cameras[0].truth, File("3dhp_test/expected.npz"), "TS5|annot3");
+  ExpectNear(Import(options).dataset.sequences[0].cameras[0].truth.positions(), File("3dhp_test/expected.npz"),
+             "TS5|annot3");
   const TemporaryFolder folder;
   WriteDataset(folder / "a.h5", dataset);
   const Dataset read = ReadDataset(folder / "a.h5");

@@ -182,7 +182,7 @@ class TestSetImporter {
     LogInfo("{}: {} of {} frames are valid and have truth; arrays are {}", sequence.name, valid_count, keypoints.frames,
             keypoints.is_reversed ? "in MATLAB's order, axes first" : "frames first");
     sequence.cameras = {MakeView(keypoints.values, poses.values, ImageSize(number, path), path)};
-    sides_.Add(CheckSides(BenchmarkLayout("3dhp-17"), sequence.cameras.front().truth), sequence.name);
+    sides_.Add(CheckSides(BenchmarkLayout("3dhp-17"), sequence.cameras.front().truth.positions()), sequence.name);
     return sequence;
   }
 
@@ -194,7 +194,7 @@ class TestSetImporter {
     view.name = "camera";
     view.image_size = image_size;
     view.keypoints = ToFloats(keypoints);
-    view.truth = ToFloats(poses, unit.mm_per_unit);
+    view.truth = TruthPoses(BenchmarkLayout("3dhp-17"), ToFloats(poses, unit.mm_per_unit), view.name);
     for (std::size_t i = 0; i < keypoints.size(); i += 2) {
       const bool is_seen = !std::isnan(keypoints[i]) && !std::isnan(keypoints[i + 1]);
       view.confidence.push_back(is_seen ? 1.0F : 0.0F);

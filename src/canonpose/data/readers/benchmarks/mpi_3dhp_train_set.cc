@@ -217,14 +217,14 @@ class TrainSetImporter {
       view.image_size = rig_ ? (*rig_)[c].image_size : kTrainImageSize;
       view.keypoints = ToFloats(keypoints[c].values);
       view.confidence.assign(frames * kTrainJoints, 1.0F);
-      view.truth = ToFloats(poses[c].values, mm);
+      view.truth = TruthPoses(BenchmarkLayout("3dhp-28"), ToFloats(poses[c].values, mm), view.name);
       if (rig_) {
         view.calibration = {(*rig_)[c].camera};
         errors_px.push_back(MedianProjectionError(view, view.calibration.front()));
       }
       sequence.cameras.push_back(std::move(view));
     }
-    sides_.Add(CheckSides(BenchmarkLayout("3dhp-28"), sequence.cameras.front().truth), sequence.name);
+    sides_.Add(CheckSides(BenchmarkLayout("3dhp-28"), sequence.cameras.front().truth.positions()), sequence.name);
     if (rig_) ReportErrors(std::move(errors_px));
     return sequence;
   }

@@ -316,6 +316,7 @@ CameraView MakeView(int cam, const std::map<int, Row>& rows, const std::vector<i
   CameraView view;
   view.name = fmt::format("cam_{:02d}", cam);
   view.image_size = {kCropSize, kCropSize};
+  std::vector<float> truth;
   for (const int number : frames) {
     auto nearest = rows.lower_bound(number);
     if (nearest == rows.end()) nearest = std::prev(nearest);
@@ -329,8 +330,9 @@ CameraView MakeView(int cam, const std::map<int, Row>& rows, const std::vector<i
       view.keypoints.push_back(is_seen ? static_cast<float>(nearest->second.keypoints[i]) : kUnknown);
     }
     view.confidence.insert(view.confidence.end(), kSkiJoints, is_seen ? 1.0F : 0.0F);
-    for (Eigen::Index i = 0; i < points.size(); ++i) view.truth.push_back(static_cast<float>(mm * points.data()[i]));
+    for (Eigen::Index i = 0; i < points.size(); ++i) truth.push_back(static_cast<float>(mm * points.data()[i]));
   }
+  view.truth = TruthPoses(BenchmarkLayout("h36m-17"), std::move(truth), view.name);
   return view;
 }
 

@@ -32,7 +32,8 @@ TEST(SkiPoseTest, ViewsBySubjectSequenceCameraAndFrame) {
       EXPECT_EQ(view.image_size, (std::array{256, 256}));
       ExpectNear(view.keypoints, File("skipose/expected.npz"), fmt::format("{}|{}|keypoints", sequence.name, camera));
       // The place of the person is found from pixels: half a millimetre at 25 m, with float intrinsics.
-      ExpectNear(view.truth, File("skipose/expected.npz"), fmt::format("{}|{}|truth", sequence.name, camera), 10.0);
+      ExpectNear(view.truth.positions(), File("skipose/expected.npz"),
+                 fmt::format("{}|{}|truth", sequence.name, camera), 10.0);
       ExpectTruthProjects(view, sequence.frame_count, 0.01);
       EXPECT_EQ(view.calibration.size(), static_cast<std::size_t>(sequence.frame_count));
     }
@@ -78,7 +79,7 @@ TEST(SkiPoseTest, FrameAndUnitOfPosesAreFound) {
       const CameraView& view = Find(sequence, fmt::format("cam_{:02.0f}", rows["cam"][i]));
       const auto frame = static_cast<std::size_t>((rows["frame"][i] - 5) / 3);
       Eigen::Map<Points3d> pose(&rows["3D"][51 * i], 17, 3);
-      for (std::size_t k = 0; k < 51; ++k) rows["3D"][51 * i + k] = 0.1 * view.truth[51 * frame + k];
+      for (std::size_t k = 0; k < 51; ++k) rows["3D"][51 * i + k] = 0.1 * view.truth.positions()[51 * frame + k];
       Eigen::Map<Eigen::Vector3d> place(&rows["cam_position"][3 * i]);
       place *= 100.0;
       const Eigen::Matrix3d R = view.calibration[frame].camera_from_world_rotation;
@@ -87,8 +88,9 @@ TEST(SkiPoseTest, FrameAndUnitOfPosesAreFound) {
     const auto [dataset, log] = Import(Options("skipose", {rows.Write(folder / "labels.h5")}));
     EXPECT_THAT(log, AllOf(HasSubstr("3D is in cm"),
                            HasSubstr(is_world ? "in the world's frame, where" : "in the camera's frame, where")));
-    for (std::size_t i = 0; i < original.sequences[0].cameras[0].truth.size(); ++i) {
-      EXPECT_NEAR(dataset.sequences[0].cameras[0].truth[i], original.sequences[0].cameras[0].truth[i], 0.1);
+    const std::vector<float>& expected = original.sequences[0].cameras[0].truth.positions();
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_NEAR(dataset.sequences[0].cameras[0].truth.positions()[i], expected[i], 0.1);
     }
   }
 }

@@ -17,7 +17,7 @@ class BodySize {
  public:
   explicit BodySize(const Skeleton& skeleton);
 
-  /// Adds poses (T, J, 3), NaN where unknown.
+  /// Adds poses (T, J, 3) of the skeleton's joints, NaN where unknown.
   void Add(const std::vector<float>& poses);
 
   /// The median over poses and segments, in the poses' unit. Nothing where the skeleton is not a person's, by the names

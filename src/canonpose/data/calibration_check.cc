@@ -227,7 +227,7 @@ bool CheckCalibration(Dataset& dataset, const std::string& file) {
 void CheckUnitOfTruth(Dataset& dataset, const std::string& file) {
   BodySize size(dataset.skeleton);
   for (const Sequence& sequence : dataset.sequences) {
-    for (const CameraView& view : sequence.cameras) size.Add(view.truth);
+    for (const CameraView& view : sequence.cameras) size.Add(view.truth.positions());
   }
   const std::optional<double> stature = size.Stature();
   if (!stature) return;
@@ -238,7 +238,7 @@ void CheckUnitOfTruth(Dataset& dataset, const std::string& file) {
              DescribeLength(*stature));
   for (Sequence& sequence : dataset.sequences) {
     for (CameraView& view : sequence.cameras) {
-      for (float& value : view.truth) value = static_cast<float>(value * unit->mm);
+      for (float& value : view.truth.positions()) value = static_cast<float>(value * unit->mm);
     }
   }
 }

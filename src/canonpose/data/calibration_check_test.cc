@@ -27,7 +27,7 @@ void Exchange(Dataset& dataset, std::size_t a, std::size_t b) {
 void Scale(Dataset& dataset, double factor) {
   for (CameraView& view : dataset.sequences.front().cameras) {
     for (Camera& camera : view.calibration) camera.camera_from_world_translation *= factor;
-    for (float& value : view.truth) value = static_cast<float>(value * factor);
+    for (float& value : view.truth.positions()) value = static_cast<float>(value * factor);
   }
 }
 
@@ -117,7 +117,8 @@ TEST(CheckUnitOfTruth, ReadsMetresAsSuch) {
   const CollectedMessages messages;
   CheckUnitOfTruth(dataset, "data.h5");
   EXPECT_THAT(messages.text(), AllOf(HasSubstr("the truth is in metres"), HasSubstr("1.7")));
-  EXPECT_NEAR(dataset.sequences[0].cameras[1].truth[7], right.sequences[0].cameras[1].truth[7], 0.01);
+  EXPECT_NEAR(dataset.sequences[0].cameras[1].truth.positions()[7], right.sequences[0].cameras[1].truth.positions()[7],
+              0.01);
   Scale(dataset, 10.0);
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { CheckUnitOfTruth(dataset, "data.h5"); }),
               HasSubstr("truth in millimetres"));

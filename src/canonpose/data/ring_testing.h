@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -50,6 +52,7 @@ inline Dataset PersonInRing(int cameras = 4, int frames = 20) {
     view.name = "c" + std::to_string(c);
     view.image_size = {1920, 1080};
     view.calibration = {camera};
+    std::vector<float> truth;
     Rng rng(1);  // the same motion for every camera
     for (int t = 0; t < frames; ++t) {
       const Eigen::AngleAxisd turn(0.15 * t, Eigen::Vector3d::UnitZ());
@@ -61,9 +64,10 @@ inline Dataset PersonInRing(int cameras = 4, int frames = 20) {
         view.keypoints.insert(view.keypoints.end(), {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())});
         view.confidence.push_back(0.9F);
         const Eigen::Vector3f in_camera = camera.InCamera(point).cast<float>();
-        view.truth.insert(view.truth.end(), in_camera.begin(), in_camera.end());
+        truth.insert(truth.end(), in_camera.begin(), in_camera.end());
       }
     }
+    view.truth = TruthPoses(dataset.skeleton, std::move(truth), view.name);
     sequence.cameras.push_back(std::move(view));
   }
   dataset.sequences.push_back(std::move(sequence));

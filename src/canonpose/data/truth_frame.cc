@@ -41,7 +41,7 @@ std::optional<Observed> Observe(const CameraView& view, int frame, const Skeleto
   const std::size_t offset = static_cast<std::size_t>(frame) * joints;
   std::vector<std::size_t> seen;
   for (std::size_t j = 0; j < joints; ++j) {
-    const bool is_known = view.confidence[offset + j] > 0.0F && std::isfinite(view.truth[3 * (offset + j)]);
+    const bool is_known = view.confidence[offset + j] > 0.0F && view.truth.IsKnown(frame, static_cast<int>(j));
     if (is_known && static_cast<int>(j) == skeleton.root) {
       seen.insert(seen.begin(), j);
     } else if (is_known) {
@@ -52,10 +52,10 @@ std::optional<Observed> Observe(const CameraView& view, int frame, const Skeleto
   Observed observed{Eigen::Matrix2Xd(2, seen.size()), Eigen::Matrix3Xd(3, seen.size()), frame};
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const float* pixel = &view.keypoints[2 * (offset + seen[i])];
-    const float* point = &view.truth[3 * (offset + seen[i])];
     const auto column = static_cast<Eigen::Index>(i);
     observed.pixels.col(column) = Eigen::Vector2d(pixel[0], pixel[1]);
-    observed.truth.col(column) = Eigen::Vector3d(point[0], point[1], point[2]);
+    observed.truth.col(column) =
+        view.truth.PoseAt(frame).row(static_cast<Eigen::Index>(seen[i])).transpose().cast<double>();
   }
   return observed;
 }

@@ -19,8 +19,9 @@ using testing::PersonInRing;
 
 template <typename Change>
 void ChangeTruth(CameraView& view, Change change) {
-  for (std::size_t i = 0; i < view.truth.size(); i += 3) {
-    Eigen::Map<Eigen::Vector3f> point(&view.truth[i]);
+  std::vector<float>& truth = view.truth.positions();
+  for (std::size_t i = 0; i < truth.size(); i += 3) {
+    Eigen::Map<Eigen::Vector3f> point(&truth[i]);
     point = change(point.cast<double>().eval()).template cast<float>();
   }
 }
@@ -41,8 +42,9 @@ TEST(TruthFrame, TruthInTheCamerasFrameFits) {
 TEST(TruthFrame, TruthThatIsCentredOnTheRootFits) {
   Dataset dataset = PersonInRing();
   for (CameraView& view : dataset.sequences[0].cameras) {
-    const std::vector<float> before = view.truth;
-    for (std::size_t i = 0; i < view.truth.size(); ++i) view.truth[i] -= before[i / 51 * 51 + i % 3];
+    std::vector<float>& truth = view.truth.positions();
+    const std::vector<float> before = truth;
+    for (std::size_t i = 0; i < truth.size(); ++i) truth[i] -= before[i / 51 * 51 + i % 3];
   }
   RequireTruthInCameraFrame(dataset, "data.h5");
 }
@@ -73,7 +75,8 @@ TEST(TruthFrame, TruthWithYUpIsRefused) {
 TEST(TruthFrame, PosesThatHaveNothingToDoWithTheKeypointsAreLeftAlone) {
   Dataset dataset = PersonInRing();
   Rng rng(2);
-  for (float& value : dataset.sequences[0].cameras[0].truth) value += static_cast<float>(1000.0 * rng.Normal());
+  for (float& value : dataset.sequences[0].cameras[0].truth.positions())
+    value += static_cast<float>(1000.0 * rng.Normal());
   RequireTruthInCameraFrame(dataset, "data.h5");
 }
 

@@ -90,7 +90,7 @@ void DropTruth(Dataset& dataset) {
   for (Sequence& sequence : dataset.sequences) {
     for (CameraView& view : sequence.cameras) {
       view.solved = view.truth;
-      view.truth.clear();
+      view.truth = {};
     }
   }
 }
@@ -115,8 +115,8 @@ TEST_F(EvaluateDatasetsTest, TruthInMetresIsReadAsSuch) {
   for (Sequence& sequence : dataset.sequences) {
     for (CameraView& view : sequence.cameras) {
       view.solved = view.truth;
-      for (std::size_t i = 0; i < view.solved.size(); i += 7) view.solved[i] += 100.0F;
-      for (float& value : view.truth) value /= 1000.0F;
+      for (std::size_t i = 0; i < view.solved.positions().size(); i += 7) view.solved.positions()[i] += 100.0F;
+      for (float& value : view.truth.positions()) value /= 1000.0F;
     }
   }
   const CollectedMessages messages;
@@ -139,9 +139,10 @@ TEST_F(EvaluateDatasetsTest, TruthInAnotherFrameIsRefused) {
   Dataset dataset = SmallCapture();
   for (Sequence& sequence : dataset.sequences) {
     for (CameraView& view : sequence.cameras) {
-      for (std::size_t i = 0; i < view.truth.size(); i += 3) {
-        view.truth[i + 1] *= -1.0F;
-        view.truth[i + 2] *= -1.0F;
+      std::vector<float>& truth = view.truth.positions();
+      for (std::size_t i = 0; i < truth.size(); i += 3) {
+        truth[i + 1] *= -1.0F;
+        truth[i + 2] *= -1.0F;
       }
     }
   }
@@ -165,7 +166,7 @@ TEST_F(EvaluateDatasetsTest, CanonicalPosesOfWhichNoneCanBeUsedAreLeftOut) {
   predictor.check = [](const Dataset&, const std::string&) {};
   predictor.predict = [](const Sequence& sequence, std::size_t camera) {
     PredictedPoses poses{sequence.cameras[camera].truth, sequence.cameras[camera].truth};
-    for (float& value : poses.pose_in_camera) value *= -1.0F;  // every pose points away from its truth
+    for (float& value : poses.pose_in_camera.positions()) value *= -1.0F;  // every pose points away from its truth
     return poses;
   };
   const EvaluationReport report = EvaluateDatasets(job, predictor);

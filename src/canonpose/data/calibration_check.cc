@@ -224,18 +224,24 @@ bool CheckCalibration(Dataset& dataset, const std::string& file) {
   return false;
 }
 
+std::optional<StatureUnit> UnitOfTruth(const BodySize& truth, const std::string& file) {
+  const std::optional<double> stature = truth.Stature();
+  if (!stature) return std::nullopt;
+  const std::optional<StatureUnit> unit = UnitOfStature(*stature);
+  if (!unit) ThrowNobody(file, "truth", *stature, "give the truth in millimetres");
+  if (unit->mm == 1.0) return std::nullopt;
+  LogWarning("{}: the truth is in {}, as the person would be {} tall otherwise; it is read as such", file, unit->name,
+             DescribeLength(*stature));
+  return unit;
+}
+
 void CheckUnitOfTruth(Dataset& dataset, const std::string& file) {
   BodySize size(dataset.skeleton);
   for (const Sequence& sequence : dataset.sequences) {
     for (const CameraView& view : sequence.cameras) size.Add(view.truth.positions());
   }
-  const std::optional<double> stature = size.Stature();
-  if (!stature) return;
-  const std::optional<StatureUnit> unit = UnitOfStature(*stature);
-  if (!unit) ThrowNobody(file, "truth", *stature, "give the truth in millimetres");
-  if (unit->mm == 1.0) return;
-  LogWarning("{}: the truth is in {}, as the person would be {} tall otherwise; it is read as such", file, unit->name,
-             DescribeLength(*stature));
+  const std::optional<StatureUnit> unit = UnitOfTruth(size, file);
+  if (!unit) return;
   for (Sequence& sequence : dataset.sequences) {
     for (CameraView& view : sequence.cameras) {
       for (float& value : view.truth.positions()) value = static_cast<float>(value * unit->mm);

@@ -41,8 +41,11 @@ std::string DescribeInterchange(const CalibrationFit& fit);
 /// warning, where the calibration does not fit at all.
 bool CheckCalibration(Dataset& dataset, const std::string& file);
 
-/// Converts truth in centimetres or metres to millimetres, and reports it. Throws Error(kBadInput) naming `file` where
-/// the person would have the size of nobody in any unit.
+/// The unit of true poses (T, J, 3): nothing where they are in millimetres, or the bodies are not people. Another unit
+/// is reported. Throws Error(kBadInput) naming `file` where the person would have the size of nobody in any unit.
+std::optional<StatureUnit> UnitOfTruth(const BodySize& truth, const std::string& file);
+
+/// Converts truth in centimetres or metres to millimetres, as UnitOfTruth() finds.
 void CheckUnitOfTruth(Dataset& dataset, const std::string& file);
 
 }  // namespace canonpose

@@ -1,6 +1,7 @@
 // The program as its users meet it: commands, files, exit codes, and training that is killed.
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -22,6 +23,7 @@
 #include "canonpose/base/testing.h"
 #include "canonpose/cli/program_testing.h"
 #include "canonpose/cli/terminal_testing.h"
+#include "canonpose/data/codecs/npz.h"
 #include "canonpose/data/dataset.h"
 
 namespace canonpose {
@@ -184,6 +186,48 @@ TEST(Program, TrainEvaluateLiftInfo) {
   }
   // A camera must be chosen where there are several.
   ExpectBadInput({"lift", folder / "run", folder / "data.h5", "-o", folder / "p.npz"}, HasSubstr("--camera"));
+}
+
+TEST(Program, LiftLeavesOutWhatTheViewDoesNotShow) {
+  const TemporaryFolder folder;
+  WriteData(folder / "data.h5");
+  Dataset dataset = ReadDataset(folder / "data.h5");
+  CameraView& view = dataset.sequences.front().cameras[1];
+  constexpr std::size_t kHidden = 7 * 5 + 3;
+  view.confidence[kHidden] = 0.0F;
+  WriteDataset(folder / "data.h5", dataset);
+  const Outcome trained = Execute(TrainArguments(folder / "data.h5", folder / "run"));
+  ASSERT_EQ(trained.exit_code, 4) << "random points have no solution that could be believed";
+  EXPECT_THAT(trained.message(), AllOf(HasSubstr("model.cpm is written, but"), HasSubstr("which way round depth is")));
+  const auto lift = [&](const std::string& output, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"lift", folder / "run", folder / "data.h5", "--camera",
+                                          "b",    "-o",           folder / output};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Execute(arguments);
+  };
+  const Outcome hidden = lift("hidden.npz", {});
+  EXPECT_EQ(hidden.exit_code, 0);
+  EXPECT_THAT(hidden.errors, AllOf(HasSubstr("warning: "), HasSubstr("do not rely on these 3D poses"),
+                                   HasSubstr("1 joints were not seen and are left empty")));
+  EXPECT_EQ(lift("filled.npz", {"--fill"}).exit_code, 0);
+  const NpzReader empty(folder / "hidden.npz");
+  const NpzReader filled(folder / "filled.npz");
+  std::vector<std::size_t> shape;
+  EXPECT_TRUE(std::isnan(empty.ReadFloats("pose3d", &shape)[3 * kHidden]));
+  EXPECT_FALSE(std::isnan(empty.ReadFloats("pose3d", &shape)[3 * (kHidden + 1)]));
+  EXPECT_FALSE(std::isnan(filled.ReadFloats("pose3d", &shape)[3 * kHidden]));
+  for (const NpzReader* file : {&empty, &filled}) {
+    EXPECT_EQ(file->ReadFloats("confidence", &shape)[kHidden], 0.0F);
+    EXPECT_FLOAT_EQ(file->ReadFloats("confidence", &shape)[kHidden + 1], 0.9F);
+    EXPECT_EQ(shape, (std::vector<std::size_t>{40, 5}));
+    EXPECT_TRUE(std::isnan(file->ReadFloats("standard_deviation", &shape)[0]));
+  }
+  EXPECT_THAT(lift("x.npz", {"--smooth", "8"}).message(), HasSubstr("--smooth: expected an odd number"));
+  EXPECT_THAT(lift("x.npz", {"--smooth", "41"}).message(), HasSubstr("the 40 frames of the clip"));
+  EXPECT_THAT(lift("x.npz", {"--height", "175"}).message(),
+              HasSubstr("--height: expected the person's height in metres"));
+  EXPECT_EQ(lift("x.npz", {"--frames", "0-500"}).exit_code, 3);
+  EXPECT_FALSE(fs::exists(folder / "x.npz"));
 }
 
 TEST(Program, BadInputsOfTraining) {

@@ -22,7 +22,7 @@ import numpy as np
 from matplotlib.patches import Circle, Ellipse, Polygon
 
 PROJECT = pathlib.Path(__file__).resolve().parent.parent.parent
-# Okabe and Ito's colours, which colour-blind readers can tell apart.
+# Okabe and Ito's colours, which colour-blind readers can distinguish.
 COLOURS = {"left": "#0072B2", "right": "#D55E00", "middle": "#444444"}
 ELEVATION_DEG = 14.0  # of the 3D views above the horizon
 TURN_DEG = 45  # from the first 3D view to the second, counterclockwise seen from above

@@ -1,4 +1,4 @@
-// The program as its users meet it: commands, files, exit codes, and training that is killed.
+// The program from the user's side: commands, files, exit codes, and training that is killed.
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -47,7 +47,7 @@ using testing::TemporaryFolder;
 using testing::TestData;
 using testing::Wait;
 
-/// A dataset of a random body that turns, with truth.
+/// A dataset of a random body that rotates, with truth.
 void WriteData(const fs::path& path, int frames = 40, int joints = 5, std::int64_t version = 1) {
   Rng rng(1);
   h5::File file = h5::File::CreateAt(path);
@@ -118,7 +118,7 @@ TEST(Program, ImportsBenchmarks) {
     arguments.insert(arguments.end(), {"-o", out});
     const Outcome outcome = Execute(arguments);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
-    EXPECT_THAT(outcome.errors, HasSubstr("a sequence"));
+    EXPECT_THAT(outcome.errors, HasSubstr("per sequence"));
   }
   EXPECT_THAT(Execute({"info", folder / "3dhp-test.h5"}).output,
               AllOf(HasSubstr("made from    3dhp-test"), HasSubstr("univ_annot3"), HasSubstr("On The Floor")));
@@ -184,7 +184,7 @@ TEST(Program, TrainEvaluateLiftInfo) {
     EXPECT_EQ(info.exit_code, 0) << file << info.errors;
     EXPECT_THAT(info.output, HasSubstr("kind"));
   }
-  // A camera must be chosen where there are several.
+  // A camera must be chosen if there are several.
   ExpectBadInput({"lift", folder / "run", folder / "data.h5", "-o", folder / "p.npz"}, HasSubstr("--camera"));
 }
 
@@ -323,7 +323,7 @@ TEST(Program, BadInputsOfImport) {
   EXPECT_FALSE(fs::exists(out));
 }
 
-TEST(Program, SimulatedCaptureGoesTheWholeWay) {
+TEST(Program, SimulatedCaptureGoesThroughTheWholePipeline) {
   const TemporaryFolder folder;
   const std::vector<std::string> people = {"--subjects", "2", "--clips", "2", "--seconds", "2", "--fps", "20"};
   const auto simulate = [&](std::vector<std::string> arguments) {
@@ -339,7 +339,7 @@ TEST(Program, SimulatedCaptureGoesTheWholeWay) {
   EXPECT_EQ(ReadFile(folder / "a.h5"), ReadFile(folder / "b.h5")) << "the same seed gives the same bits";
   EXPECT_THAT(Execute({"info", folder / "a.h5"}).output, AllOf(HasSubstr("simulated"), HasSubstr("truth")));
 
-  // The files beside it are read as any other program's.
+  // The files beside it can be imported like any detector's.
   const fs::path clip = folder / "open" / "person3-1-001-gait";
   EXPECT_EQ(Execute({"import", "openpose", clip, "-o", folder / "o.h5", "--image-size", "1000x1000"}).exit_code, 0);
   EXPECT_EQ(Execute({"import", "alphapose", folder / "alpha" / "person3-1-001-gait", "-o", folder / "p.h5", "--layout",
@@ -382,7 +382,7 @@ TEST(Program, MorphsADetectorsJoints) {
   EXPECT_EQ(trained.exit_code, 0) << trained.errors;
   EXPECT_THAT(Execute({"info", folder / "run"}).output, HasSubstr("go through a network of width 64 first"));
 
-  // There is nothing to learn where the detector is exact: what comes out can only be worse, and is told so.
+  // There is nothing to learn if the detector is exact: the result can only be worse, which a warning says.
   ASSERT_EQ(simulate(folder / "exact.h5", {"--noise", "0"}), 0);
   const Outcome worse = train_morph({folder / "exact.h5", "-o", folder / "worse", "--epochs", "1"});
   EXPECT_EQ(worse.exit_code, 0) << worse.errors;
@@ -396,7 +396,7 @@ TEST(Program, SolvesAndDistils) {
   std::vector<std::string> simulate = {"simulate", "-o", folder / "a.h5"};
   simulate.insert(simulate.end(), people.begin(), people.end());
   ASSERT_EQ(Execute(simulate).exit_code, 0);
-  // A crude lifter to start from, quicker than a starter's minute.
+  // A crude lifter to start from, which is quicker to train.
   ASSERT_EQ(Execute({"train", folder / "a.h5", "-o", folder / "start", "--preset", "supervised", "--width", "64",
                      "--set", "min_steps=300", "--set", "learning_rate=0.002", "--epochs", "30", "--threads", "1"})
                 .exit_code,
@@ -429,7 +429,7 @@ TEST(Program, SolvesAndDistils) {
   EXPECT_EQ(Execute({"solve", folder / "a.h5", "-o", folder / "x.h5", "--model", folder / "none"}).exit_code, 3);
 }
 
-TEST(Program, SolvesBodiesThatAreNoPersons) {
+TEST(Program, SolvesBodiesOtherThanPeoples) {
   const TemporaryFolder folder;
   ASSERT_EQ(Execute({"simulate", "-o", folder / "a.h5", "--subjects", "1", "--activities", "gait,dance", "--seconds",
                      "6", "--fps", "20", "--seed", "4"})
@@ -477,7 +477,7 @@ TEST(Program, BadInputsOfSimulation) {
   EXPECT_FALSE(fs::exists(out));
 }
 
-TEST(Program, TrainingSaysTheSameOnATerminalAndInAPipe) {
+TEST(Program, TrainingPrintsTheSameOnATerminalAndInAPipe) {
   const TemporaryFolder folder;
   WriteData(folder / "data.h5");
   const auto train = [&](Output output) {
@@ -497,7 +497,7 @@ TEST(Program, TrainingSaysTheSameOnATerminalAndInAPipe) {
   EXPECT_EQ(masked(shown), masked(piped));
 }
 
-TEST(Program, InterruptedTrainingSavesAndSaysHowToGoOn) {
+TEST(Program, InterruptedTrainingSavesAndSaysHowToContinue) {
   const TemporaryFolder folder;
   WriteData(folder / "data.h5");
   std::vector<std::string> arguments = TrainArguments(folder / "data.h5", folder / "run");
@@ -532,7 +532,7 @@ TEST(Program, KilledAtTwentyRandomMomentsAndResumedGivesTheSameBits) {
     std::this_thread::sleep_for(std::chrono::duration<double>(rng.Uniform(0.1, 0.9) * whole_seconds));
     kill(child, SIGKILL);
     if (Wait(child) == 128 + SIGKILL) ++kills;
-    // A run that got to its end is begun anew, so that every kill meets a living one.
+    // A run that has ended is started afresh, so that every kill hits a running one.
     if (fs::exists(folder / "killed/model.cpm")) {
       EXPECT_EQ(ReadFile(folder / "killed/model.cpm"), ReadFile(folder / "whole/model.cpm"));
       fs::remove_all(folder / "killed");

@@ -1,4 +1,4 @@
-// One function a command: it adds its subcommand with options to the app; the subcommand's callback does the work.
+// One function per command: it adds the subcommand and its options to the app; the subcommand's callback does the work.
 //
 // Callbacks throw canonpose::Error; main() turns that into one line and an exit code. Results go to stdout, everything
 // else through base/log.h to stderr.

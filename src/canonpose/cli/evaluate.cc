@@ -60,8 +60,7 @@ EvaluationReport EvaluateArchivePair(const EvaluateArguments& arguments, FrameEr
     ThrowInvalidArgument("--predictions and --truth go together");
   if (!arguments.paths.empty()) ThrowInvalidArgument("give either --predictions and --truth, or a model and data");
   if (arguments.triangulate) ThrowInvalidArgument("--triangulate is for datasets");
-  if (arguments.canonical)
-    ThrowInvalidArgument("--canonical is for a model: poses alone do not tell their canonical form");
+  if (arguments.canonical) ThrowInvalidArgument("--canonical is for a model: poses alone have no canonical form");
   const Protocol& protocol = FindProtocol(arguments.protocol);
   if (protocol.name != kAllFrames) {
     ThrowInvalidArgument(
@@ -88,7 +87,7 @@ EvaluationReport EvaluatePaths(const EvaluateArguments& arguments, FrameErrors* 
     ThrowInvalidArgument("--canonical is for a model: name one before the data, without --triangulate");
   }
   if (arguments.triangulate) {
-    if (!is_data) ThrowInvalidArgument("--triangulate takes datasets alone, but {} is none", first.string());
+    if (!is_data) ThrowInvalidArgument("--triangulate takes only datasets, and {} is not one", first.string());
     return EvaluateDatasets(job, TriangulatedPoses());
   }
   if (is_data) {
@@ -135,15 +134,17 @@ void AddEvaluateCommand(CLI::App& app) {
   command->add_option("paths", arguments->paths, "A run or model file and then datasets; or solved datasets alone");
   command->add_option("--predictions", arguments->predictions, "Archive (.npz) with pose3d (N, J, 3) in any unit");
   command->add_option("--truth", arguments->truth, "Archive (.npz) with pose3d (N, J, 3) in mm");
-  command->add_option("--json", arguments->json, "Write the figures, or the protocols, to this file, too");
+  command->add_option("--json", arguments->json, "Also write the figures, or the protocols, to this file");
   command->add_option("--protocol", arguments->protocol, ProtocolHelp())->capture_default_str();
   command->add_flag("--list-protocols", arguments->list_protocols, "Print all protocols in words");
   command->add_flag("--triangulate", arguments->triangulate,
                     "Evaluate the triangulation from all calibrated cameras of datasets with truth");
-  command->add_flag("--canonical", arguments->canonical,
-                    "Tell, too, how far a model's canonical poses of one frame's views, and of all frames, lie apart");
-  command->add_option("--frame-errors", arguments->frame_errors,
-                      "Write the errors of every single pose to this file: .csv, or .npz with those of joints, too");
+  command->add_flag(
+      "--canonical", arguments->canonical,
+      "Also report how much a model's canonical poses differ between the views of a frame, and between frames");
+  command->add_option(
+      "--frame-errors", arguments->frame_errors,
+      "Write the errors of every single pose to this file: .csv, or .npz, which also has those of each joint");
   command->add_option("--frames", arguments->frames, "Evaluate frames A-B of each sequence only, counted from 0");
   command->add_option("--exclude-joints", arguments->left_out, "Leave these joints out: A,B")
       ->delimiter(',')

@@ -1,4 +1,4 @@
-// `evaluate` as its users meet it: figures against an independent computation, files, and what is refused.
+// `evaluate` from the user's side: figures against an independent computation, files, and what is refused.
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -37,7 +37,7 @@ json Evaluated(std::vector<std::string> arguments) {
   return outcome.exit_code == 0 ? json::parse(ReadFile(folder / "report.json")) : json::object();
 }
 
-/// Everything that is expected is there and the same to 0.01 (mm, or %).
+/// Everything expected is there and agrees to 0.01 (mm, or %).
 void ExpectNear(const json& found, const json& expected, const std::string& where) {
   constexpr double kTolerance = 0.01;
   if (expected.is_object()) {
@@ -105,7 +105,7 @@ TEST(EvaluateProgram, ListsProtocolsAndRefusesOthers) {
                  HasSubstr("frames 0, 64, 128"));
 }
 
-TEST(EvaluateProgram, TruthOfAnotherKindOrUnknownIsToldAndWarnedOf) {
+TEST(EvaluateProgram, TruthOfAnotherOrUnknownKindIsReportedWithAWarning) {
   const TemporaryFolder folder;
   EXPECT_EQ(Evaluated({TestData("protocols/3dhp.h5"), "--protocol", "3dhp"})["truth_kind"], "univ_annot3");
   const std::string file = folder / "changed.h5";
@@ -122,7 +122,7 @@ TEST(EvaluateProgram, TruthOfAnotherKindOrUnknownIsToldAndWarnedOf) {
   }
 }
 
-TEST(EvaluateProgram, WhatAProtocolMissesIsWarnedOf) {
+TEST(EvaluateProgram, WarnsOfWhatAProtocolMisses) {
   const TemporaryFolder folder;
   const std::string whole = TestData("protocols/h36m.h5");
   EXPECT_TRUE(Evaluated({whole, "--protocol", "h36m-1"})["warnings"].empty());
@@ -172,7 +172,7 @@ TEST(EvaluateProgram, FrameErrorsGiveTheFiguresAgain) {
   EXPECT_EQ(Execute({"evaluate", data, "--frame-errors", folder / "errors.txt"}).exit_code, 2);
 }
 
-TEST(EvaluateProgram, ArchivesTakeTheDefaultProtocolAlone) {
+TEST(EvaluateProgram, ArchivesTakeOnlyTheDefaultProtocol) {
   const TemporaryFolder folder;
   NpzWriter writer(folder / "poses.npz");
   std::vector<float> poses(2 * 5 * 3);
@@ -207,7 +207,7 @@ TEST(EvaluateProgram, TriangulationNeedsTruthAndCalibration) {
   ExpectBadInput({"evaluate", "--triangulate", folder / "blind.h5"}, HasSubstr("truth"));
 }
 
-TEST(EvaluateProgram, CanonicalPosesAreAModelsAffair) {
+TEST(EvaluateProgram, OnlyModelsHaveCanonicalPoses) {
   const TemporaryFolder folder;
   const std::string data = folder / "data.h5";
   ASSERT_EQ(
@@ -255,7 +255,7 @@ TEST(EvaluateProgram, ReportOfSeveralMethods) {
   EXPECT_THAT(ReadFile(folder / "mixed/table.md"), AllOf(HasSubstr("| ours | h36m-1 |"), HasSubstr("| all-frames |")));
 }
 
-TEST(EvaluateProgram, ExperimentsReadItAndInfo) {
+TEST(EvaluateProgram, ExperimentsReadItsReportAndThatOfInfo) {
   if (std::system("python3 -c pass") != 0) GTEST_SKIP() << "there is no python3";
   const TemporaryFolder folder;
   const std::string data = folder / "data.h5";

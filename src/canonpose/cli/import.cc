@@ -21,7 +21,7 @@
 namespace canonpose {
 namespace {
 
-/// The command line as it stands; texts are taken apart when the command runs, so that all complaints read alike.
+/// The command line as given; texts are parsed when the command runs, so that all error messages have the same form.
 struct ImportArguments {
   ImportOptions options;
   std::vector<std::string> paths;
@@ -83,7 +83,7 @@ ImportOptions ToOptions(const ImportArguments& arguments) {
   return options;
 }
 
-/// Options that one kind of format understands and the other does not are told rather than ignored.
+/// Refuses options that this kind of format does not have, rather than ignoring them.
 void RefuseOptions(const CLI::App& command, const std::vector<const char*>& options, const std::string& format) {
   for (const char* const option : options) {
     if (command.count(option) > 0) ThrowInvalidArgument("{} has no meaning for {}", option, format);
@@ -154,7 +154,7 @@ void RunBenchmarkImport(const ImportArguments& arguments, const CLI::App& comman
 void RunImport(const ImportArguments& arguments, const CLI::App& command) {
   const std::string& format = arguments.options.format;
   if (FindBenchmarkFormat(format) != nullptr) return RunBenchmarkImport(arguments, command);
-  RefuseOptions(command, {"--truth", "--cameras"}, format + ", which is no benchmark");
+  RefuseOptions(command, {"--truth", "--cameras"}, format + ", which is not a benchmark");
   const ImportOptions options = ToOptions(arguments);
   options.Validate();
   CheckOutput(arguments);
@@ -179,7 +179,7 @@ void AddImportCommand(CLI::App& app) {
       ->type_name("FORMAT");
   command
       ->add_option("path", arguments->paths,
-                   "A folder or file for each camera, or a folder that holds those; of a benchmark its files")
+                   "One folder or file per camera, or a folder that holds them; for a benchmark, its files")
       ->type_name("PATH");
   command->add_option("-o,--output", arguments->output, "The dataset to write")->required()->type_name("FILE");
   command->add_option("--camera", arguments->cameras, "A camera under a name of your choice; may be repeated")
@@ -197,33 +197,33 @@ void AddImportCommand(CLI::App& app) {
   command
       ->add_option(
           "--layout", options.layout,
-          "The detector's layout; by default told by the number of keypoints and anatomy. canonpose-detections: "
+          "The detector's layout (default: recognised by the number of keypoints and anatomy). canonpose-detections: "
           "canonpose-16 (default) or mpii-16")
       ->type_name("NAME");
   command
       ->add_option(
           "--skeleton", arguments->skeleton,
-          "The skeleton to map to, or native for the detector's or benchmark's own joints (default: h36m-17, of "
-          "canonpose-detections its own)")
+          "The skeleton to map to, or native for the detector's or benchmark's own joints (default: h36m-17; for "
+          "canonpose-detections: native)")
       ->type_name("NAME");
   command
       ->add_option("--cameras", arguments->chosen_cameras,
-                   "Of a benchmark, the cameras to keep, as 0,2,4,7,8 (default: all)")
+                   "The cameras of a benchmark to keep, such as 0,2,4,7,8 (default: all)")
       ->type_name("NAME,...")
       ->delimiter(',')
       ->allow_extra_args(false);
   command
       ->add_option("--truth", arguments->truth,
-                   "Which poses of MPI-INF-3DHP are the truth: annot3, as they were (default of 3dhp-train), or "
+                   "Which poses of MPI-INF-3DHP are the truth: annot3, in their true size (default of 3dhp-train), or "
                    "univ_annot3, scaled to one height, which published results compare with (default of 3dhp-test)")
       ->type_name("NAME");
   command
       ->add_option("--morph", arguments->morph,
-                   "Move the joints by this morphing network (train-morph), onto another skeleton's")
+                   "Move the joints with this morphing network (train-morph) to where another skeleton has them")
       ->type_name("RUN");
   command
       ->add_option("--person", arguments->people,
-                   "Whom to follow where several are seen: 1 is the most prominent (default)")
+                   "Whom to follow if several people are seen: 1 is the most prominent (default)")
       ->type_name("[NAME=]N")
       ->allow_extra_args(false);
   command->add_option("--align", arguments->align, "Match the cameras' frames in order or by frame number")
@@ -236,7 +236,7 @@ void AddImportCommand(CLI::App& app) {
       ->add_option("--capture", options.capture,
                    "Recordings of one capture share their cameras (default: this one alone)")
       ->type_name("NAME");
-  command->add_option("--fps", options.fps, "Frames a second")->type_name("FPS");
+  command->add_option("--fps", options.fps, "Frames per second")->type_name("FPS");
   command->add_flag("--moving", options.moving_cameras, "The cameras move");
   command->callback([arguments, command] { RunImport(*arguments, *command); });
 }

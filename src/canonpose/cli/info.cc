@@ -1,4 +1,4 @@
-// canonpose info FILE: what any of our files is, holds and came from.
+// canonpose info FILE: what a file of ours is, what it holds and where it came from.
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
@@ -96,9 +96,10 @@ void PrintModel(const Facts& facts) {
   PrintMirror(facts.at("mirror"));
   if (IsKnown(facts, "trap")) {
     const Facts& trap = facts.at("trap");
-    fmt::print("trap         {} (depth {:.2f} of width, views {:.0f} degrees apart, scattered by {:.0f})\n",
-               TextIn(trap, "verdict"), NumberIn(trap, "depth_ratio"), NumberIn(trap, "angle_deg"),
-               NumberIn(trap, "scatter_deg"));
+    fmt::print(
+        "trap         {} (poses {:.2f} times as deep as wide; two views {:.0f} degrees apart, give or take {:.0f})\n",
+        TextIn(trap, "verdict"), NumberIn(trap, "depth_ratio"), NumberIn(trap, "angle_deg"),
+        NumberIn(trap, "scatter_deg"));
   }
   if (IsKnown(facts, "morph")) {
     fmt::print("morph        2D poses go through a network of width {} first\n", CountIn(facts.at("morph"), "width"));
@@ -177,11 +178,12 @@ void RunInfo(const InfoArguments& arguments) {
 
 void AddInfoCommand(CLI::App& app) {
   auto arguments = std::make_shared<InfoArguments>();
-  CLI::App* command = app.add_subcommand("info", "Tell what a file of ours is, holds and came from");
+  CLI::App* command =
+      app.add_subcommand("info", "Show what a file of canonpose is, what it holds and where it came from");
   command
       ->add_option("file", arguments->path, "A dataset, model, run folder or checkpoint, or a .npz, .csv or .json file")
       ->required();
-  command->add_flag("--json", arguments->json, "Tell it as JSON, for programs");
+  command->add_flag("--json", arguments->json, "As JSON, for programs");
   command->callback([arguments] { RunInfo(*arguments); });
 }
 

@@ -1,4 +1,4 @@
-// `info` as its users and other programs meet it.
+// `info` as users and other programs see it.
 #include <filesystem>
 #include <string>
 
@@ -35,7 +35,7 @@ json InfoOf(const fs::path& path) {
 
 std::string TextOf(const fs::path& path) { return Execute({"info", path}).output; }
 
-TEST(InfoProgram, TellsAllOfADataset) {
+TEST(InfoProgram, DescribesADataset) {
   const TemporaryFolder folder;
   const std::string file = folder / "people.h5";
   ASSERT_EQ(
@@ -75,7 +75,7 @@ TEST(InfoProgram, TellsAllOfADataset) {
                                   HasSubstr("10 frames at 10/s, static cameras"), HasSubstr(", truth, calibrated\n")));
 }
 
-TEST(InfoProgram, TellsABenchmarksActionsAndKindOfTruth) {
+TEST(InfoProgram, DescribesABenchmarksActionsAndKindOfTruth) {
   const json info = InfoOf(TestData("protocols/3dhp.h5"));
   EXPECT_EQ(info["sequences"][0]["truth_kind"], "univ_annot3");
   const json human = InfoOf(TestData("protocols/h36m.h5"));
@@ -83,7 +83,7 @@ TEST(InfoProgram, TellsABenchmarksActionsAndKindOfTruth) {
   EXPECT_TRUE(human["sequences"][0]["fps"].is_null() || human["sequences"][0]["fps"] > 0.0);
 }
 
-TEST(InfoProgram, TellsAllOfModelsAndCheckpoints) {
+TEST(InfoProgram, DescribesModelsAndCheckpoints) {
   const TemporaryFolder folder;
   const std::string data = folder / "data.h5";
   const std::string run = folder / "run";
@@ -128,7 +128,7 @@ TEST(InfoProgram, TellsAllOfModelsAndCheckpoints) {
   EXPECT_THAT(TextOf(run), HasSubstr("kind         checkpoint of an unfinished or finished training run\n"));
 }
 
-TEST(InfoProgram, TellsTheArraysOfAnArchive) {
+TEST(InfoProgram, ListsTheArraysOfAnArchive) {
   const TemporaryFolder folder;
   NpzWriter writer(folder / "poses.npz");
   writer.Add("pose3d", std::vector<float>(12), {2, 2, 3});
@@ -179,7 +179,7 @@ TEST(InfoProgram, KnowsTablesAndReports) {
   ExpectBadInput({"info", folder / "other.json"}, HasSubstr("found other JSON"));
 }
 
-TEST(InfoProgram, TellsNothingOfWhatItCannotRead) {
+TEST(InfoProgram, RefusesWhatItCannotRead) {
   const TemporaryFolder folder;
   ExpectBadInput({"info", folder / "none", "--json"}, HasSubstr("none"));
   WriteFileAtomically(folder / "text.h5", "no dataset");

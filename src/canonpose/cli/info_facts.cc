@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Null for the value that stands for none.
+/// Null for the value that means "none".
 template <typename Value>
 Facts UnlessNone(const Value& value, const Value& none = {}) {
   return value == none ? Facts() : Facts(value);

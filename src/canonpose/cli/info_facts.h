@@ -1,4 +1,4 @@
-// What any of our files is, holds and came from, as JSON: all that `info` tells, in words or as it stands.
+// What a file of ours is, what it holds and where it came from, as JSON: `info` prints it as it is or in words.
 //
 //   of all files  file, kind: dataset, model, checkpoint, npz, or as below
 //   dataset       frames, fingerprint, skeleton, source, sequences [{name, subject, frames, fps, static_cameras,

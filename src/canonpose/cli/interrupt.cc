@@ -24,7 +24,7 @@ StopOnSignal::StopOnSignal() : scope_(CallbacksThatStop()) {
   received_signal = 0;
   struct sigaction action {};
   action.sa_handler = NoteSignal;
-  // One shot: the second signal meets the default, which ends the program.
+  // One shot: a second signal is handled by default, which ends the program.
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   for (int i = 0; i < 2; ++i) sigaction(kSignals[i], &action, &previous_actions[i]);
 }

@@ -1,4 +1,4 @@
-// Ctrl-C and SIGTERM as a request that long work answers at its next safe point.
+// Ctrl-C and SIGTERM ask long work to stop at its next safe point.
 #pragma once
 
 #include "canonpose/base/callbacks.h"
@@ -14,7 +14,7 @@ class StopOnSignal {
   StopOnSignal(const StopOnSignal&) = delete;
   StopOnSignal& operator=(const StopOnSignal&) = delete;
 
-  /// 128 + the signal received, as shells have it; 128 while there was none.
+  /// 128 + the signal received, as in shells; 128 if there was none.
   [[nodiscard]] int exit_code() const;
 
  private:

@@ -89,7 +89,7 @@ LiftInput FromDetections(const LiftArguments& arguments, const PoseLifter& lifte
   SingleCameraOptions options;
   options.format = arguments.format;
   options.layout = arguments.layout.empty() ? source.layout : arguments.layout;
-  // Confidences must mean what they meant in training; other detectors have scales of their own.
+  // Confidences must have the scale that they had in training; other detectors have other scales.
   options.confidence_scale = options.layout == source.layout ? source.confidence_scale : 0.0;
   options.skeleton = lifter.skeleton();
   options.camera = arguments.camera;
@@ -100,7 +100,7 @@ LiftInput FromDetections(const LiftArguments& arguments, const PoseLifter& lifte
   return {std::move(single.view), std::move(single.frame_numbers), 0.0};
 }
 
-/// Options that would be ignored are a misunderstanding.
+/// Refuses options that would be ignored.
 void RefuseMisplacedOptions(const LiftArguments& arguments, bool is_dataset) {
   const auto refuse = [&](bool given, const char* option) {
     if (given)
@@ -161,25 +161,24 @@ void AddLiftCommand(CLI::App& app) {
   command->add_option("model", arguments->model, "A model file, or the folder of a finished run")->required();
   command->add_option("input", arguments->input, "A dataset, or a detector's files of one camera")->required();
   command->add_option("-o,--output", arguments->output, "Where to write: .npz, .csv or .json")->required();
-  command->add_option("--camera", arguments->camera, "Which camera, where the input holds several");
-  command->add_option("--sequence", arguments->sequence, "Which sequence, where the dataset holds several");
+  command->add_option("--camera", arguments->camera, "Which camera, if the input holds several");
+  command->add_option("--sequence", arguments->sequence, "Which sequence, if the dataset holds several");
   command->add_option("--frames", arguments->frames, "Frames A-B of the dataset only, counted from 0");
-  command->add_option("--height", arguments->height_m,
-                      "The person's height in metres: the output is then in millimetres");
+  command->add_option("--height", arguments->height_m, "The person's height in metres, for output in millimetres");
   command->add_option(
       "--smooth", arguments->smooth_frames,
-      "Smooth a video's poses over so many frames, an odd number such as 9 at 30 frames a second (default: "
-      "not)");
+      "Smooth a video's poses over this many frames, an odd number such as 9 at 30 frames per second (default: none)");
   command->add_flag(
       "--fill", arguments->fill,
       "Write the network's guess for joints that the view does not show, with confidence 0 (default: NaN)");
   command->add_option("--person", arguments->person, "Whom to follow in a detector's files: 1 is the most prominent")
       ->check(CLI::PositiveNumber);
-  command->add_option("--format", arguments->format, "Format of a detector's files (default: told from their content)");
+  command->add_option("--format", arguments->format,
+                      "Format of a detector's files (default: recognised by their content)");
   command->add_option("--layout", arguments->layout,
                       "Layout of a detector's files (default: that of the training data)");
   command->add_option("--image-size", arguments->image_size,
-                      "WxH in pixels of a detector's files, for models trained with ray=root");
+                      "Image size, WxH in pixels, for a detector's files and models of preset best (ray=root)");
   command->add_option("--device", arguments->device, "cpu or cuda (default cpu)");
   command->callback([arguments] { RunLift(*arguments); });
 }

@@ -58,13 +58,12 @@ int ReportUnexpected(const Terminal& terminal, const std::string& what) {
   return static_cast<int>(ExitCode::kComputation);
 }
 
-/// What was printed must have arrived, also on a full disk.
+/// Checks that everything printed was written, even if the disk is full.
 int FinishOutput(const Terminal& terminal) {
   std::cout.flush();
   if (std::fflush(stdout) == 0 && std::cout.good()) return static_cast<int>(ExitCode::kDone);
   terminal.Print(
-      "error: standard output: expected a place that can be written, found none; free some space and run the command "
-      "again");
+      "error: standard output: the results could not be written completely; free some space and run the command again");
   return static_cast<int>(ExitCode::kBadInput);
 }
 
@@ -75,7 +74,7 @@ int Main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 the computation failed, 130 interrupted.\n"
-      "canonpose help COMMAND tells more about a command.");
+      "canonpose help COMMAND shows the options of a command.");
 
   const std::shared_ptr<const void> one_thread = UseOneThread();  // training has its own
   AddImportCommand(app);

@@ -8,7 +8,7 @@
 namespace canonpose {
 namespace {
 
-/// `message` as a user reads it who gave `command`.
+/// `message` as shown to a user who ran `command`.
 std::string Spelled(const std::string& message, const std::string& command) {
   CLI::App app;
   app.add_subcommand("solve")->add_flag("--image-size");
@@ -26,7 +26,7 @@ TEST(SpellOptions, TakesTheOptionOfTheCommandGiven) {
   EXPECT_EQ(Spelled("`epochs=3` and `mirror`", "train"), "--epochs 3 and --mirror");
 }
 
-TEST(SpellOptions, TakesTheTrainingOptionOrThatOfAnotherCommandOtherwise) {
+TEST(SpellOptions, OtherwiseTakesTheTrainingOptionOrThatOfAnotherCommand) {
   EXPECT_EQ(Spelled("a smaller `learning_rate`", "train"), "a smaller --set learning_rate");
   EXPECT_EQ(Spelled("with `ray=off` or `mirror` flip", "solve"), "with --set ray=off or --mirror flip");
   EXPECT_EQ(Spelled("import with `image_size`", "train"), "import with --image-size");

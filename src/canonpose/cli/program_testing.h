@@ -1,4 +1,4 @@
-// Shared by tests only: runs the program and tells what came of it.
+// Shared by tests only: runs the program and returns what it printed and how it ended.
 #pragma once
 
 #include <filesystem>

@@ -36,7 +36,7 @@ struct SimulateArguments {
   int threads = 0;
 };
 
-/// What goes beside the dataset: the clips as files of other programs, in folders that appear when all is done.
+/// What is written beside the dataset: the clips as files of other programs, in folders that appear when all is done.
 class OtherFormats {
  public:
   explicit OtherFormats(const SimulateArguments& arguments) {
@@ -74,7 +74,7 @@ class OtherFormats {
   std::optional<AtomicFolder> bvh_;
 };
 
-/// Tells of clips that the cameras hardly see: training learns from frames that two cameras share.
+/// Warns of clips that the cameras hardly see: training learns from frames that two cameras share.
 class VisibilityCheck {
  public:
   explicit VisibilityCheck(const Skeleton& skeleton) : joint_count_(skeleton.joint_count()), root_(skeleton.root) {}
@@ -93,7 +93,8 @@ class VisibilityCheck {
   /// Throws Error(kComputation) where nothing is seen at all.
   void Report() const {
     constexpr const char* kAdvice =
-        "whoever moves far wants --rig ptz or handheld, which follow; a rig file's cameras must look at the origin";
+        "for people who move far use --rig ptz or handheld, which follow them; cameras of a rig file must look at the "
+        "origin";
     if (!any_) ThrowComputation("no frame of any clip is seen by two cameras; {}", kAdvice);
     if (hidden_ > 0) {
       LogWarning("{} of {} clips are seen by two cameras in less than half of their frames; {}", hidden_, clips_,
@@ -128,7 +129,7 @@ SimulationOptions ResolveOptions(const SimulateArguments& arguments) {
 
 void RunSimulate(const SimulateArguments& arguments) {
   if (arguments.output.empty() && !arguments.describe)
-    ThrowInvalidArgument("-o: say where the dataset goes, or --describe");
+    ThrowInvalidArgument("give -o FILE for the dataset, or --describe");
   if (arguments.threads < 0) {
     throw Error(ErrorKind::kBadInput, fmt::format("--threads: expected 0 or more, found {}", arguments.threads));
   }
@@ -172,34 +173,39 @@ void AddMotionOptions(CLI::App& command, SimulateArguments& arguments) {
   SimulationOptions& options = arguments.options;
   command.add_option("motion", options.motion_files,
                      "Motion capture: .amc (with its .asf beside it) and .bvh files, or folders of them. Without any, "
-                     "procedural people move");
-  command.add_option("--subjects", options.subjects, "Procedural people (default 4)");
-  command.add_option("--clips", options.clips, "Clips of each of them (default: one of each activity)");
+                     "people and motion are generated");
+  command.add_option("--subjects", options.subjects, "Number of generated people (default 4)");
+  command.add_option("--clips", options.clips, "Clips of each person (default: one per activity)");
   command.add_option("--seconds", options.seconds, "Length of each clip (default 10)");
   command
       .add_option("--activities", arguments.activities,
                   "What they do in turn: gait, run, jump, squat, sit, reach, throw, gesture, dance, ski (default: all "
                   "but ski)")
       ->delimiter(',');
-  command.add_option("--fps", options.fps, "Frames a second (default 50, or a file's own; files are only thinned out)");
+  command.add_option("--fps", options.fps,
+                     "Frames per second (default 50, or a file's own rate, which can only be reduced)");
 }
 
 void AddRigOptions(CLI::App& command, RigOptions& rig) {
   command.add_option("--rig", rig.kind,
                      "studio: 4 static cameras; ring: 8 to 14 all around; ptz: 6 that pan, tilt and zoom from afar; "
                      "handheld: 4; or a JSON file (default studio)");
-  command.add_option("--cameras", rig.cameras, "How many (default: the rig's own number)");
-  command.add_option("--spread", rig.spread, "even, opposite, quarter or clustered (default even)");
-  command.add_option("--distance", rig.distance_m, "Metres from the subject (default: the rig's own)");
-  command.add_option("--distortion", rig.distortion, "Of the lenses: 0 none, 1 a usual sports camera's (default 0)");
+  command.add_option("--cameras", rig.cameras, "Number of cameras (default: the rig's own)");
+  command.add_option("--spread", rig.spread,
+                     "How cameras stand around the person: even, opposite, quarter or clustered (default even)");
+  command.add_option("--distance", rig.distance_m, "Distance from the person in metres (default: the rig's own)");
+  command.add_option("--distortion", rig.distortion,
+                     "Distortion of the lenses: 0 none, 1 that of a usual sports camera (default 0)");
 }
 
 void AddDetectorOptions(CLI::App& command, SimulateArguments& arguments) {
   DetectorOptions& detector = arguments.options.detector;
-  command.add_option("--noise", detector.noise, "All of the detector's errors: 0 exact, 1 a modern one (default 1)");
+  command.add_option("--noise", detector.noise,
+                     "Scale of all the detector's errors: 0 exact, 1 a modern detector (default 1)");
   command.add_option("--joint-offset", detector.joint_offset,
-                     "Systematic offset of the detector's joints: 1 a usual one (default 0)");
-  command.add_option("--sync-jitter", detector.sync_jitter, "Frames that cameras are out of step by (default 0)");
+                     "Systematic offset of the detector's joints: 0 none, 1 usual (default 0)");
+  command.add_option("--sync-jitter", detector.sync_jitter,
+                     "Synchronisation error of the cameras, in frames (default 0)");
   const auto part = [&](const char* option, double& strength, const char* what) {
     command.add_option(option, strength, fmt::format("{}: 1 usual, 0 none (default 1)", what));
   };
@@ -209,8 +215,8 @@ void AddDetectorOptions(CLI::App& command, SimulateArguments& arguments) {
   part("--outliers", detector.outliers, "Joints found on a wrong limb or in the background");
   part("--missed-joints", detector.missed_joints, "Joints not found");
   part("--missed-frames", detector.missed_frames, "Frames without the person");
-  part("--confidence", detector.confidence, "Noise of confidences, which tell errors the worse");
-  command.add_option("--skeleton", arguments.options.skeleton, "Of the dataset (default h36m-17)");
+  part("--confidence", detector.confidence, "Noise of confidences: with more of it they reveal errors less");
+  command.add_option("--skeleton", arguments.options.skeleton, "Skeleton of the dataset (default h36m-17)");
   command.add_option(
       "--layout", arguments.options.layout,
       "The detector's keypoints, mapped onto the skeleton as import does: joints that it lacks, and their truth, are "
@@ -228,25 +234,25 @@ void AddSimulateCommand(CLI::App& app) {
   AddRigOptions(*command, arguments->options.rig);
   AddDetectorOptions(*command, *arguments);
   command->add_option("--openpose", arguments->openpose,
-                      "Folder for the same keypoints as OpenPose writes them: CLIP/CAMERA/*.json");
+                      "Folder for the same keypoints in OpenPose's format: CLIP/CAMERA/*.json");
   command->add_option("--alphapose", arguments->alphapose,
-                      "Folder for the same keypoints as AlphaPose writes them: CLIP/CAMERA.json");
+                      "Folder for the same keypoints in AlphaPose's format: CLIP/CAMERA.json");
   command->add_option("--bvh", arguments->bvh, "Folder for the motion as BVH files");
-  command->add_flag("--describe", arguments->describe, "Print what the detector's errors are like");
+  command->add_flag("--describe", arguments->describe, "Print statistics of the detector's errors");
   command->add_option("--detector-seed", arguments->options.detector_seed,
-                      "Of the systematic offset: the same detector in other captures (default: --seed)");
+                      "Seed of the systematic offset, for the same detector in several captures (default: --seed)");
   command->add_option("--threads", arguments->threads, "Number of threads (default: all cores)");
   command
       ->add_option("--seed", arguments->options.seed,
-                   "Of people, motion, cameras and errors; another seed is another capture (default 0)")
+                   "Seed of people, motion, cameras and errors; another seed gives another capture (default 0)")
       ->check([](const std::string& text) {
         return text.starts_with('-') ? fmt::format("expected 0 or more, found {}", text) : std::string();
       });
   command->callback([arguments, command] {
-    // Options that would be ignored are a misunderstanding.
+    // Refuse options that would be ignored.
     for (const char* option : {"--subjects", "--clips", "--seconds", "--activities"}) {
       if (!arguments->options.motion_files.empty() && command->count(option) > 0) {
-        ThrowInvalidArgument("{} is for procedural people; with motion capture files leave it out", option);
+        ThrowInvalidArgument("{} is for generated people; leave it out with motion capture files", option);
       }
     }
     RunSimulate(*arguments);

@@ -51,7 +51,7 @@ void AddSolveCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("solve", "Find the 3D poses and the cameras of a recording from its keypoints alone");
   command->add_option("data", arguments->data, "Dataset file made by import")->required();
-  command->add_option("-o,--output", arguments->output, "Dataset file to write: the data, with what was found")
+  command->add_option("-o,--output", arguments->output, "Dataset file to write: the same data with poses and cameras")
       ->required();
   command->add_option("--model", arguments->bootstrap.model, "Run or model file of a lifter to start from");
   command
@@ -63,11 +63,12 @@ void AddSolveCommand(CLI::App& app) {
       ->check(CLI::IsMember({"auto", "starter", "method", "factorisation"}))
       ->capture_default_str();
   command
-      ->add_option("--mirror", arguments->options.mirror,
-                   "auto: decide by perspective; keep or flip: the start's poses as they are, or mirrored in depth")
+      ->add_option(
+          "--mirror", arguments->options.mirror,
+          "Which way round depth is. auto: decide by perspective; keep: as in the start's poses; flip: mirrored")
       ->capture_default_str();
   command->add_option("--frames", arguments->frames, "Solve frames A-B of each sequence only, counted from 0");
-  command->add_option("--json", arguments->json, "Write the report to this file, too");
+  command->add_option("--json", arguments->json, "Also write the report to this file, as JSON");
   command->add_option("--device", arguments->bootstrap.device, "cpu or cuda")->capture_default_str();
   command->add_option("--threads", arguments->options.threads, "Number of threads (default: all cores)");
   command->add_option("--seed", arguments->bootstrap.seed, "Seed of the lifter that --bootstrap method trains")

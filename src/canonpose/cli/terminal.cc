@@ -63,7 +63,7 @@ void Terminal::Show(const ProgressState& state) {
     next_lasting_ = now + lasting_period_;
     Print(Describe(state));
   } else if (is_terminal_) {
-    // A line that is longer than the terminal is wide is cut there: wrapped, its beginning could not be cleared.
+    // A line is cut at the width of the terminal: if it wrapped, its beginning could not be cleared.
     fmt::print(stderr, "{}\033[?7l{}\033[?7h", kClearLine, Describe(state));
     std::fflush(stderr);
   }

@@ -1,5 +1,5 @@
-// What the commands show on stderr: messages as lines, progress as a line in place where there is a terminal, and every
-// ten seconds as a line that stays, so that a log holds the same as a terminal.
+// What the commands show on stderr: messages as lines; progress as one line that is updated in place on a terminal, and
+// as a line that stays every ten seconds, so that a log shows it, too.
 #pragma once
 
 #include <chrono>
@@ -21,7 +21,7 @@ class Terminal {
   /// They refer to this object.
   Callbacks MakeCallbacks();
 
-  /// One line on stderr; a line in place is cleared first.
+  /// Prints one line to stderr; a progress line is cleared first.
   void Print(const std::string& line) const;
 
  private:

@@ -42,7 +42,7 @@ TEST(Terminal, LeavesTheSameLinesOnATerminalAndInAPipe) {
   EXPECT_EQ(masked(SaidTo(Output::kTerminal, work)), masked(SaidTo(Output::kPipe, work)));
 }
 
-TEST(Terminal, MovesInPlaceOnATerminalAlone) {
+TEST(Terminal, UpdatesALineInPlaceOnlyOnATerminal) {
   const auto work = [] {
     Terminal terminal;
     const CallbackScope callbacks(terminal.MakeCallbacks());

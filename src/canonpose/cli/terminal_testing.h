@@ -17,8 +17,8 @@ namespace canonpose::testing {
 
 enum class Output { kTerminal, kPipe };
 
-/// All that `action`, in a process of its own, writes to stdout and stderr, where both are `output`. The process must
-/// end with `exit_code`.
+/// Everything that `action`, in a process of its own, writes to stdout and stderr, both of which are `output`. The
+/// process must end with `exit_code`.
 template <typename Action>
 std::string SaidTo(Output output, Action&& action, int exit_code = 0) {
   int end = -1;
@@ -54,7 +54,7 @@ std::string SaidTo(Output output, Action&& action, int exit_code = 0) {
   return said;
 }
 
-/// What stays on the terminal: each line from where it was cleared last.
+/// What remains on the terminal: each line from where it was cleared last.
 inline std::string Lasting(const std::string& said) {
   const std::string clear = "\r\033[K";
   std::string lasting;

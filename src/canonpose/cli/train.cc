@@ -150,8 +150,8 @@ void AddTrainCommand(CLI::App& app) {
   command->add_option("--cameras", arguments->cameras,
                       "Train on these cameras only: A,B, or the first N of each sequence");
   command->add_option("--morph", arguments->morph,
-                      "Move the detector's joints by this morphing network first (train-morph); the model keeps it");
-  command->add_flag("--resume", arguments->resume, "Continue the run in the output folder where there is one");
+                      "Move the detector's joints with this morphing network first (train-morph); the model keeps it");
+  command->add_flag("--resume", arguments->resume, "Continue the run in the output folder, if there is one");
   command->add_flag("--overwrite", arguments->overwrite, "Replace the run in the output folder");
   command->add_option("--set", arguments->settings, "NAME=VALUE for any training option; they are listed below")
       ->allow_extra_args(false);

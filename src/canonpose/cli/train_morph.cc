@@ -99,7 +99,7 @@ void AddTrainMorphCommand(CLI::App& app) {
       *command, DescribeMorphOptions(),
       {"epochs", "width", "batch_poses", "learning_rate", "validation", "seed", "threads", "device"},
       [arguments](const std::string& field, const std::string& value) { arguments->options.Set(field, value); });
-  command->add_flag("--resume", arguments->resume, "Continue the run in the output folder where there is one");
+  command->add_flag("--resume", arguments->resume, "Continue the run in the output folder, if there is one");
   command->add_flag("--overwrite", arguments->overwrite, "Replace the run in the output folder");
   command->callback([arguments] { RunTrainMorph(*arguments); });
 }

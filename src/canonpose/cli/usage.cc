@@ -37,7 +37,7 @@ std::vector<std::string> OptionNames(const CLI::App& command) {
   return names;
 }
 
-/// The first argument that looks like an option and is none.
+/// The first argument that looks like an option but is not one.
 std::optional<std::string> UnknownOption(const CLI::App& command) {
   const std::vector<std::string> left = command.remaining();
   const auto found = std::find_if(left.begin(), left.end(), IsOption);
@@ -70,11 +70,11 @@ std::string HelpOf(const CLI::App& app, const CLI::App& command) {
 
 void AddHelpCommands(CLI::App& app) {
   auto command = std::make_shared<std::string>();
-  app.add_subcommand("help", "Tell what there is, or all about a command")
-      ->add_option("command", *command, "The command to tell about");
-  CLI::App* version = app.add_subcommand("version", "Tell the program's version");
+  app.add_subcommand("help", "List the commands, or show all options of one")
+      ->add_option("command", *command, "The command to show");
+  CLI::App* version = app.add_subcommand("version", "Print the program's version");
   auto json = std::make_shared<bool>(false);
-  version->add_flag("--json", *json, "As JSON, with the library that multiplies matrices here, and how fast it does");
+  version->add_flag("--json", *json, "As JSON, with the linear algebra library in use and its speed");
   version->callback([json] {
     if (*json) fmt::print("{}\n", DescribeProgram().dump(2));
   });
@@ -92,7 +92,7 @@ std::vector<std::string> WithoutHelpWords(const std::vector<std::string>& argume
 void RequireCommand(const CLI::App& app, const std::vector<std::string>& arguments) {
   const std::vector<std::string> names = CommandNames(app);
   if (arguments.empty()) {
-    ThrowInvalidArgument("a command is missing; there are {} (canonpose help tells what they do)",
+    ThrowInvalidArgument("a command is missing; the commands are {} (canonpose help describes them)",
                          fmt::join(names, ", "));
   }
   const std::string& word = arguments.front();
@@ -100,7 +100,7 @@ void RequireCommand(const CLI::App& app, const std::vector<std::string>& argumen
   if (const std::optional<std::string> nearest = NearestName(word, names)) {
     ThrowInvalidArgument("there is no command \"{}\"; did you mean {}? (canonpose help lists them)", word, *nearest);
   }
-  ThrowInvalidArgument("there is no command \"{}\"; there are {} (canonpose help tells what they do)", word,
+  ThrowInvalidArgument("there is no command \"{}\"; the commands are {} (canonpose help describes them)", word,
                        fmt::join(names, ", "));
 }
 
@@ -108,10 +108,10 @@ std::string DescribeMistake(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = Given(app);
   const std::string help = HelpOf(app, command);
   const std::optional<std::string> unknown = UnknownOption(command);
-  if (!unknown) return fmt::format("{}{} ({} tells what there is)", error.what(), HintAtValue(error), help);
+  if (!unknown) return fmt::format("{}{} (see {})", error.what(), HintAtValue(error), help);
   const std::string word = unknown->substr(std::min(unknown->find_first_not_of('-'), unknown->size()));
   const std::optional<std::string> nearest = NearestName(word, OptionNames(command));
-  return fmt::format("{} has no option {}{} ({} tells what there is)", command.get_name(), *unknown,
+  return fmt::format("{} has no option {}{} (see {})", command.get_name(), *unknown,
                      nearest ? fmt::format("; did you mean --{}?", *nearest) : "", help);
 }
 

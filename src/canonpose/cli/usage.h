@@ -1,4 +1,4 @@
-// The command line before and after CLI11: words that stand for options, and what is said of a wrong one.
+// The command line before and after CLI11: words such as `help` that stand for options, and messages about mistakes.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ void AddHelpCommands(CLI::App& app);
 /// "help", "help COMMAND" and "version" by itself as the options that do the same.
 std::vector<std::string> WithoutHelpWords(const std::vector<std::string>& arguments);
 
-/// Throws Error(kInvalidArgument) where the first of `arguments` is no command, or there is none.
+/// Throws Error(kInvalidArgument) if the first of `arguments` is not a command, or there is none.
 void RequireCommand(const CLI::App& app, const std::vector<std::string>& arguments);
 
 /// What is wrong with the command line, in one line. An unknown option comes before what `error` says, which is often

@@ -1,4 +1,4 @@
-// The command line as its users meet it: help, and what is said of mistakes.
+// The command line from the user's side: help, and the messages about mistakes.
 #include <string>
 #include <vector>
 
@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::Outcome;
 
-/// Exit code 2 and one line that says so much.
+/// Exit code 2 and exactly this line.
 void ExpectMistake(const std::vector<std::string>& arguments, const ::testing::Matcher<std::string>& matcher) {
   const Outcome outcome = Execute(arguments);
   EXPECT_EQ(outcome.exit_code, 2) << outcome.errors;
@@ -35,16 +35,16 @@ TEST(Usage, HelpAndVersionAreCommandsToo) {
   for (const std::string command :
        {"import", "simulate", "train", "train-morph", "evaluate", "solve", "lift", "info"}) {
     EXPECT_THAT(help.output, HasSubstr(command));
-    const Outcome told = Execute({"help", command});
-    EXPECT_EQ(told.exit_code, 0) << command << told.errors;
-    EXPECT_THAT(told.output, HasSubstr("canonpose " + command));
-    EXPECT_EQ(told.output, Execute({command, "--help"}).output);
+    const Outcome help = Execute({"help", command});
+    EXPECT_EQ(help.exit_code, 0) << command << help.errors;
+    EXPECT_THAT(help.output, HasSubstr("canonpose " + command));
+    EXPECT_EQ(help.output, Execute({command, "--help"}).output);
   }
   EXPECT_EQ(Execute({"help", "help"}).exit_code, 0);
 }
 
 // runtime_test asks the same of a test program; this is the one that users run.
-TEST(Usage, TheProgramMultipliesByOpenBlasAndAboutAsFastAsItAlone) {
+TEST(Usage, TheProgramMultipliesMatricesAboutAsFastAsOpenBlasAlone) {
   const Outcome outcome = Execute({"version", "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_EQ(outcome.errors, "");
@@ -61,15 +61,14 @@ TEST(Usage, AnUnknownCommandIsNamedWithTheNearest) {
   ExpectMistake({"imprt"}, "error: there is no command \"imprt\"; did you mean import? (canonpose help lists them)");
   ExpectMistake({"evaluate-all"}, AllOf(HasSubstr("\"evaluate-all\""), HasSubstr("did you mean evaluate?")));
   ExpectMistake({"help", "trian"}, AllOf(HasSubstr("\"trian\""), HasSubstr("did you mean train?")));
-  ExpectMistake({"fly", "--high"},
-                AllOf(HasSubstr("\"fly\""), HasSubstr("there are import, simulate, train"), Not(HasSubstr("mean"))));
+  ExpectMistake({"fly", "--high"}, AllOf(HasSubstr("\"fly\""), HasSubstr("the commands are import, simulate, train"),
+                                         Not(HasSubstr("mean"))));
   ExpectMistake({}, AllOf(HasSubstr("a command is missing"), HasSubstr("info")));
 }
 
 TEST(Usage, AnUnknownOptionIsNamedWithTheNearest) {
-  ExpectMistake(
-      {"train", "data.h5", "--ouput", "run"},
-      "error: train has no option --ouput; did you mean --output? (canonpose help train tells what there is)");
+  ExpectMistake({"train", "data.h5", "--ouput", "run"},
+                "error: train has no option --ouput; did you mean --output? (see canonpose help train)");
   ExpectMistake({"info", "data.h5", "--jsn=1"},
                 AllOf(HasSubstr("no option --jsn;"), HasSubstr("did you mean --json?")));
   ExpectMistake({"info", "data.h5", "--wholly-unlike"}, AllOf(HasSubstr("--wholly-unlike ("), Not(HasSubstr("mean"))));
@@ -87,7 +86,7 @@ TEST(Usage, ADecimalCommaIsAnsweredByThePoint) {
                 AllOf(HasSubstr("--epochs"), HasSubstr("1 or more")));
 }
 
-TEST(Usage, ASeedIsForWhereChancePlays) {
+TEST(Usage, OnlyCommandsThatInvolveChanceHaveASeed) {
   for (const std::string command : {"simulate", "solve", "train", "train-morph"}) {
     EXPECT_THAT(Execute({command, "--help"}).output, HasSubstr("--seed")) << command;
   }

@@ -1,4 +1,5 @@
-// What the commands do with networks. A build without LibTorch has other definitions (without_torch.cc): they say so.
+// What the commands do with networks. In a build without LibTorch, without_torch.cc defines the same functions, which
+// report that networks are missing.
 #pragma once
 
 #include <filesystem>
@@ -21,13 +22,13 @@ std::string DescribeLinearAlgebra();
 /// Whether training has an option of this name.
 bool IsTrainingOption(const std::string& name);
 
-/// What a training run's checkpoint says of its model; nothing where the file is not a checkpoint.
+/// What a training run's checkpoint says about its model; nothing if the file is not a checkpoint.
 std::optional<ModelInfo> CheckpointInfo(const std::filesystem::path& path);
 
 /// Moves a detector's joints by a morphing network. `file` is the dataset's name for messages.
 void ApplyMorph(const std::filesystem::path& model, Dataset& dataset, const std::string& file);
 
-/// Evaluates what a model sees in each view by itself.
+/// Evaluates a model's poses of each view by itself.
 EvaluationReport EvaluateModel(const std::filesystem::path& model, const std::string& device,
                                const DatasetEvaluation& job);
 

@@ -1,4 +1,4 @@
-// The commands of a build without LibTorch: those that need networks say what to do about it.
+// The commands of a build without LibTorch: those that need networks say how to get a build with them.
 #include <memory>
 #include <string>
 

@@ -1,5 +1,5 @@
-// The program without LibTorch: it simulates, solves from a factorisation and evaluates; of networks it says where they
-// are.
+// The program without LibTorch: it simulates, solves from a factorisation and evaluates, and says that networks are
+// missing.
 #include <string>
 
 #include <gmock/gmock.h>

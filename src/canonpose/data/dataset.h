@@ -98,8 +98,8 @@ struct FrameRange {
 /// Error(kBadInput) where no sequence remains, or the range ends beyond the longest sequence.
 void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& file);
 
-/// Reads a dataset file of version 1 (layout in README.md), whether written by this program or by others with h5py.
-/// Throws Error(kBadInput).
+/// Reads a dataset file of version 1 (layout in docs/dataset.md), whether written by this program or by others with
+/// h5py. Throws Error(kBadInput).
 Dataset ReadDataset(const std::filesystem::path& path);
 
 /// Whether `path` is an HDF5 file that says it is a dataset.

@@ -1,4 +1,4 @@
-// The dataset file: groups, attributes and arrays as README.md describes them.
+// The dataset file: groups, attributes and arrays as docs/dataset.md describes them.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -198,7 +198,7 @@ Sequence ReadSequence(const h5::Group& group, const std::string& name, const Ske
 }
 
 void CheckFormat(const h5::Group& root) {
-  const std::string advice = "make a dataset with `canonpose import`, or write one as README.md describes";
+  const std::string advice = "make a dataset with `canonpose import`, or write one as docs/dataset.md describes";
   if (!root.HasAttribute("format")) {
     root.Fail("attribute format", fmt::format("\"{}\"", kFormat), "nothing", advice);
   }

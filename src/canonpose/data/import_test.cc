@@ -472,13 +472,13 @@ TEST(ReadSingleCamera, ReadsAsTheImportDid) {
                                        std::pair("mmpose_video", "mmpose"), std::pair("coco", "coco")}) {
     const fs::path path = TestData("detections") / folder;
     const Dataset dataset = ImportDetections(Options(format, path));
-    for (const bool is_told : {true, false}) {
+    for (const bool is_given : {true, false}) {
       SingleCameraOptions options;
       options.camera = dataset.sequences[0].cameras[1].name;
       options.skeleton = dataset.skeleton;
       options.confidence_scale = dataset.source.confidence_scale;
-      if (is_told) options.format = dataset.source.format;
-      if (is_told) options.layout = dataset.source.layout;
+      if (is_given) options.format = dataset.source.format;
+      if (is_given) options.layout = dataset.source.layout;
       const SingleCamera single = ReadSingleCamera(path, options);
       const CameraView& view = dataset.sequences[0].cameras[1];
       EXPECT_EQ(single.view.name, view.name);

@@ -10,7 +10,6 @@
 namespace canonpose {
 namespace {
 
-
 const Skeleton kSkeleton{"", {"Pelvis", "RHip", "LHip"}, {-1, 0, 0}, 0, {0, 2, 1}};
 
 PoseErrors Scale(double scale) {

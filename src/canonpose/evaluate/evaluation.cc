@@ -152,7 +152,7 @@ std::string Evaluation::ProtocolText(Weighting weighting) const {
       "after "
       "centring on the root and one scale factor per pose, PMPJPE and CPS after similarity alignment without "
       "reflection",
-      protocol.name, PosesInWords(protocol), names_[root], LeastKnownJoints(included), included);
+      protocol.name, PosesInWords(protocol), names_[root], MinKnownJoints(included), included);
   text +=
       fmt::format("; {} and joints{}", WeightingInWords(protocol), joints_.included[root] ? ", the root included" : "");
   std::vector<std::string> counted;

@@ -36,7 +36,8 @@ TEST(EvaluationTest, AJointThatIsFarWorseThanTheOthersIsNamed) {
                                     135, 440, 10, 0,    -490, 20, 0,    -690, 0,  -230, -30, -60};
   const auto warnings = [&](float wrist_mm) {
     std::vector<float> off = truth;
-    for (std::size_t i = 0; i < off.size(); ++i) off[i] += static_cast<float>(i % 3) * 5.0F * (i % 2 == 0 ? 1.0F : -1.0F);
+    for (std::size_t i = 0; i < off.size(); ++i)
+      off[i] += static_cast<float>(i % 3) * 5.0F * (i % 2 == 0 ? 1.0F : -1.0F);
     off[21] += wrist_mm;
     Evaluation evaluation(names, 0, {});
     evaluation.Add({"a"}, off.data(), truth.data());

@@ -47,7 +47,7 @@ std::vector<double> CurveOf(const std::array<std::int64_t, kCurveThresholds>& hi
 
 }  // namespace
 
-int LeastKnownJoints(int included_count) { return std::max((included_count + 1) / 2, std::min(4, included_count)); }
+int MinKnownJoints(int included_count) { return std::max((included_count + 1) / 2, std::min(4, included_count)); }
 
 PoseErrors ComparePoses(const float* predicted, const float* truth, const MetricJoints& joints) {
   PoseErrors errors;
@@ -58,7 +58,7 @@ PoseErrors ComparePoses(const float* predicted, const float* truth, const Metric
     if (joints.included[j] && IsKnown(truth, j)) known.push_back(j);
   }
   const auto included = static_cast<int>(std::count(joints.included.begin(), joints.included.end(), true));
-  if (!IsKnown(truth, root) || known.empty() || static_cast<int>(known.size()) < LeastKnownJoints(included))
+  if (!IsKnown(truth, root) || known.empty() || static_cast<int>(known.size()) < MinKnownJoints(included))
     return errors;
 
   errors.outcome = PoseOutcome::kPredictionMissing;

@@ -47,7 +47,7 @@ struct PoseErrors {
 
 /// The number of known joints, of `included_count`, that a pose needs to be evaluated: half of them, but at least four
 /// if there are as many, since three points are too easy to align.
-int LeastKnownJoints(int included_count);
+int MinKnownJoints(int included_count);
 
 /// `predicted` is (J, 3) in any unit, `truth` (J, 3) in mm, in the same frame; NaN where unknown.
 PoseErrors ComparePoses(const float* predicted, const float* truth, const MetricJoints& joints);

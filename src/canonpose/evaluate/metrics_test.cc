@@ -250,11 +250,11 @@ TEST(MetricsTest, PosesThatCannotBeEvaluatedSayWhy) {
   EXPECT_EQ(Compare(truth, broken).outcome, PoseOutcome::kTruthUnusable) << "8 of 17";
 }
 
-TEST(MetricsTest, LeastKnownJoints) {
-  EXPECT_EQ(LeastKnownJoints(17), 9);
-  EXPECT_EQ(LeastKnownJoints(16), 8);
-  EXPECT_EQ(LeastKnownJoints(5), 4);
-  EXPECT_EQ(LeastKnownJoints(2), 2);
+TEST(MetricsTest, MinKnownJoints) {
+  EXPECT_EQ(MinKnownJoints(17), 9);
+  EXPECT_EQ(MinKnownJoints(16), 8);
+  EXPECT_EQ(MinKnownJoints(5), 4);
+  EXPECT_EQ(MinKnownJoints(2), 2);
 }
 
 TEST(MetricsTest, NothingAddedIsNaN) {

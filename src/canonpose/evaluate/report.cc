@@ -55,8 +55,8 @@ double MirroredPercent(const EvaluationReport& report) {
 
 /// A wrong reference may look like mirrored poses.
 std::string AdviceOnMirror(const EvaluationReport& report) {
-  if (report.reference_is_doubtful) return " (look at the calibration first: it does not fit the keypoints)";
-  return report.mirror_advice.empty() ? "" : fmt::format(" ({})", report.mirror_advice);
+  if (report.reference_is_doubtful) return "\n  Look at the calibration first: it does not fit the keypoints.";
+  return report.mirror_advice.empty() ? "" : fmt::format("\n  Front and back are exchanged: {}.", report.mirror_advice);
 }
 
 /// What was compared with what, and what a reader should know about it.

@@ -53,14 +53,14 @@ struct EvaluationReport {
   std::optional<CanonicalReport> canonical;                   ///< if requested
 };
 
-/// The keys of the contract (README.md), and also `protocol_name`, `headline` (the key of the main figure),
-/// `reference`, `reference_reprojection_error_px` {median, mean} if the reference was triangulated, `truth_kind` if
-/// known, `warnings`, `left_out_sequences`, `missing_predictions`, `unusable_truths`, `mirrored_percent`,
-/// `depth_extent_ratio`, `left_out_joints`, for solved cameras `cameras` {relative_rotation_deg, centred_rotation_deg,
-/// focal_percent}, `by_pose` (the five figures over all poses if the protocol has another weighting), `per_action` if
-/// actions are known, `cps_curve` and `pck_curve` (300 percentages, for thresholds of 1, 2, ..., 300 mm) and, if
-/// requested, `canonical` {hip_std_mm {RHip, LHip}, std_mm, views_mm, frames_mm, per_joint, poses, left_out}. `frames`
-/// and `joints` are numbers.
+/// The main figures (n_mpjpe_mm, p_mpjpe_mm, pck150_percent, auc_percent, cps), and also `protocol`, `protocol_name`,
+/// `headline` (the key of the main figure), `reference`, `reference_reprojection_error_px` {median, mean} if the
+/// reference was triangulated, `truth_kind` if known, `warnings`, `left_out_sequences`, `missing_predictions`,
+/// `unusable_truths`, `mirrored_percent`, `depth_extent_ratio`, `left_out_joints`, for solved cameras `cameras`
+/// {relative_rotation_deg, centred_rotation_deg, focal_percent}, `by_pose` (the five figures over all poses if the
+/// protocol has another weighting), `per_action` if actions are known, `cps_curve` and `pck_curve` (300 percentages,
+/// for thresholds of 1, 2, ..., 300 mm) and, if requested, `canonical` {hip_std_mm {RHip, LHip}, std_mm, views_mm,
+/// frames_mm, per_joint, poses, left_out}. `frames` and `joints` are numbers.
 std::string ReportAsJson(const EvaluationReport& report);
 
 /// A table for the terminal, which also states the protocol in words and the error of a triangulated reference itself.

@@ -68,9 +68,9 @@ TEST(ReportTest, AdviceOnMirroredPosesComesAfterADoubtfulReference) {
   report.mirror_advice = "train again with `mirror` flip";
   EXPECT_THAT(ReportAsTable(report), Not(HasSubstr("train again")));
   report.mirrored = report.metrics.poses;
-  EXPECT_THAT(ReportAsTable(report), HasSubstr("100.0 % of the poses (train again with `mirror` flip)"));
+  EXPECT_THAT(ReportAsTable(report), HasSubstr("Front and back are exchanged: train again with `mirror` flip."));
   report.reference_is_doubtful = true;
-  EXPECT_THAT(ReportAsTable(report), AllOf(HasSubstr("look at the calibration first"), Not(HasSubstr("train again"))));
+  EXPECT_THAT(ReportAsTable(report), AllOf(HasSubstr("Look at the calibration first"), Not(HasSubstr("train again"))));
 }
 
 TEST(ReportTest, JointsAreLeftOutByName) {

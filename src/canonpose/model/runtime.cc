@@ -56,7 +56,7 @@ double MeasureGflops(const Multiply& multiply) {
 using Sgemm = void (*)(const char*, const char*, const int*, const int*, const int*, const float*, const float*,
                        const int*, const float*, const int*, const float*, float*, const int*);
 
-/// OpenBLAS's own routine, whichever library answers the program's calls; null where OpenBLAS is not loaded.
+/// OpenBLAS's own routine, whichever library the program's calls go to; null where OpenBLAS is not loaded.
 Sgemm OpenBlasSgemm() {
   void* library = dlopen("libopenblas.so.0", RTLD_LAZY | RTLD_NOLOAD);
   return library == nullptr ? nullptr : reinterpret_cast<Sgemm>(dlsym(library, "sgemm_"));

@@ -10,11 +10,11 @@ namespace canonpose {
 /// LibTorch or this machine has no CUDA.
 void RequireDevice(const std::string& device);
 
-/// The library that multiplies LibTorch's matrices: its path, "MKL", or "" where that cannot be found out.
+/// The library that multiplies LibTorch's matrices: its path, "MKL", or "" if that is unknown.
 std::string LinearAlgebraLibrary();
 
 /// How fast the program multiplies two float32 matrices of 1024 x 1024 on one thread: the best of several tries, in
-/// 10^9 multiplications and additions a second. Takes about a tenth of a second.
+/// 10^9 multiplications and additions per second. Takes about a tenth of a second.
 struct LinearAlgebraSpeed {
   double gflops = 0.0;           ///< through LibTorch
   double openblas_gflops = 0.0;  ///< OpenBLAS called by itself, for comparison; 0 where it is not loaded

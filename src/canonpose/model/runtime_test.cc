@@ -34,7 +34,7 @@ std::vector<std::string> LoadedLibraries() {
 }
 
 // This program is linked as all of ours are.
-TEST(Runtime, OpenBlasAnswersEveryCallOfLinearAlgebra) {
+TEST(Runtime, EveryCallOfLinearAlgebraGoesToOpenBlas) {
   if (LinearAlgebraLibrary() == "MKL") GTEST_SKIP() << "this LibTorch brings MKL";
   EXPECT_THAT(LinearAlgebraLibrary(), HasSubstr("openblas"));
   for (const char* routine : {"sgemm_", "dgemm_", "sgemv_", "sdot_", "dsyrk_", "dtrsm_", "dpotrf_", "dgesdd_"}) {

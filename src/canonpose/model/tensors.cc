@@ -25,8 +25,8 @@ torch::Tensor ToTensor(const h5::Array<float>& array) {
 
 namespace {
 
-/// The parameters and statistics of a network. The number of batches that statistics were taken over says nothing to
-/// anybody.
+/// The parameters and statistics of a network, without the number of batches that the statistics were taken over, which
+/// nothing uses.
 torch::OrderedDict<std::string, torch::Tensor> TensorsOf(const torch::nn::Module& network) {
   torch::OrderedDict<std::string, torch::Tensor> tensors = network.named_parameters();
   for (const auto& item : network.named_buffers()) {

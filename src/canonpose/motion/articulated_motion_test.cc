@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// A trunk 500 mm high with an arm of 300 mm along x, in two frames: at rest, and with both rotated.
-ArticulatedMotion TurningArm() {
+ArticulatedMotion RotatingArm() {
   ArticulatedMotion motion;
   motion.fps = 50.0;
   motion.joints = {
@@ -25,7 +25,7 @@ ArticulatedMotion TurningArm() {
 }
 
 TEST(ForwardKinematics, EachJointRotatesWhatFollowsIt) {
-  const ArticulatedMotion motion = TurningArm();
+  const ArticulatedMotion motion = RotatingArm();
   std::vector<Vector3d> positions;
   std::vector<Eigen::Quaterniond> rotations;
   ForwardKinematics(motion, 1, positions, rotations);
@@ -37,7 +37,7 @@ TEST(ForwardKinematics, EachJointRotatesWhatFollowsIt) {
 }
 
 TEST(RestPose, IsTheFrameWithoutRotationsRelativeToTheRoot) {
-  const ArticulatedMotion motion = TurningArm();
+  const ArticulatedMotion motion = RotatingArm();
   const std::vector<Vector3d> rest = RestPose(motion);
   std::vector<Vector3d> positions;
   std::vector<Eigen::Quaterniond> rotations;

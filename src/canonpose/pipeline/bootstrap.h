@@ -22,10 +22,10 @@ struct BootstrapOptions {
   std::string device = "cpu";
 };
 
-/// The poses that a lifter sees in each view of the dataset: the lifter named by the options, or the starter that
-/// comes with the program. For other bodies than people's the poses are
-/// those of a factorisation where all cameras stand still, otherwise of a lifter trained now on the dataset itself by
-/// the method. `file` is the dataset's name for messages. Throws Error.
+/// Poses of each view of the dataset: from the lifter named by the options, or from the starter that comes with the
+/// program. For bodies other than people's they come from a factorisation if all cameras are static, otherwise from a
+/// lifter that is trained now on the dataset itself by the method. `file` is the dataset's name for messages. Throws
+/// Error.
 StartPoses Bootstrap(const Dataset& dataset, const std::string& file, const BootstrapOptions& options);
 
 }  // namespace canonpose

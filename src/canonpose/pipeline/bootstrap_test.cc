@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 using testing::ShareStarted;
 using testing::SmallCapture;
 
-/// The same recording of a body whose joints nobody has heard of.
+/// The same recording, of a body whose joint names are unknown.
 Dataset OfAnAnimal(Dataset dataset) {
   for (std::size_t j = 0; j < dataset.skeleton.joints.size(); ++j) {
     dataset.skeleton.joints[j] = "point " + std::to_string(j);
@@ -25,7 +25,7 @@ Dataset OfAnAnimal(Dataset dataset) {
   return dataset;
 }
 
-TEST(Bootstrap, FactorisesOtherBodiesBeforeStaticCameras) {
+TEST(Bootstrap, FactorisesOtherBodiesIfCamerasAreStatic) {
   const Dataset animal = OfAnAnimal(SmallCapture("studio"));
   EXPECT_GT(ShareStarted(Bootstrap(animal, "data.h5", {})), 0.9);
 }
@@ -38,7 +38,7 @@ TEST(Bootstrap, RefusesTheStarterForOtherBodies) {
               AllOf(HasSubstr("animal.h5"), HasSubstr("`bootstrap`")));
 }
 
-TEST(Bootstrap, RefusesFactorisationBeforeMovingCameras) {
+TEST(Bootstrap, RefusesFactorisationIfCamerasMove) {
   BootstrapOptions options;
   options.kind = "factorisation";
   const Dataset moving = SmallCapture("handheld");

@@ -51,7 +51,7 @@ class Run {
   ReferenceSummary reference_;
   bool reference_is_doubtful_ = false;
   std::set<std::string> other_formats_;  ///< of data that are not the protocol's benchmark's
-  std::set<std::string> truth_kinds_;  ///< "" where a sequence does not say
+  std::set<std::string> truth_kinds_;    ///< "" if a sequence does not say
   CameraComparison cameras_;
   std::int64_t left_out_sequences_ = 0;
   std::int64_t sequences_too_short_ = 0;
@@ -192,9 +192,10 @@ void Run::ReportMissing(EvaluationReport& report) const {
 
 void Run::ReportOtherBenchmarks(EvaluationReport& report) const {
   if (other_formats_.empty()) return;
-  report.warnings.push_back(fmt::format("{} is the protocol of {}, but these data are of the format {}: do not compare the "
-                                        "figures with published ones",
-                                        job_.protocol.name, job_.protocol.benchmark, fmt::join(other_formats_, " and ")));
+  report.warnings.push_back(
+      fmt::format("{} is the protocol of {}, but these data are of the format {}: do not compare the "
+                  "figures with published ones",
+                  job_.protocol.name, job_.protocol.benchmark, fmt::join(other_formats_, " and ")));
 }
 
 void Run::ThrowNothingLeft() const {
@@ -242,8 +243,7 @@ Predictor SolvedPoses() {
           [](const Sequence& sequence, std::size_t camera) {
             return PredictedPoses{sequence.cameras[camera].solved, {}};
           },
-          false,
-          "solve again with `mirror` flip, or with keep if its report says that it was flipped"};
+          false, "solve again with `mirror=flip`, or with `mirror=keep` if its report says that it was flipped"};
 }
 
 Predictor TriangulatedPoses() {

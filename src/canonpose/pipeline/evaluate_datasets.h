@@ -17,9 +17,9 @@ struct DatasetEvaluation {
   Protocol protocol;
   std::optional<FrameRange> frames;
   std::vector<std::string> left_out;    ///< joints by name
-  bool with_cameras = false;            ///< solved cameras are compared with calibrated ones, too
-  bool canonical = false;               ///< canonical poses are compared with each other, too
-  FrameErrors* frame_errors = nullptr;  ///< filled where it is given
+  bool with_cameras = false;            ///< also compare solved cameras with calibrated ones
+  bool canonical = false;               ///< also compare canonical poses with each other
+  FrameErrors* frame_errors = nullptr;  ///< filled if it is not null
 };
 
 /// Predicted poses of the T frames of one view; empty where there are none.
@@ -29,7 +29,7 @@ struct PredictedPoses {
 };
 
 struct Predictor {
-  /// Throws where a dataset does not suit.
+  /// Throws if a dataset lacks something that the poses are made from.
   std::function<void(const Dataset& dataset, const std::string& file)> check;
   /// Called view by view, sequence by sequence.
   std::function<PredictedPoses(const Sequence& sequence, std::size_t camera)> predict;
@@ -40,8 +40,8 @@ struct Predictor {
 /// The stored poses of a solved dataset.
 Predictor SolvedPoses();
 
-/// What all calibrated cameras together give, to be compared with truth: no lifter of a single view with the same
-/// keypoints does better.
+/// Poses triangulated from all calibrated cameras together, to be compared with truth: a bound for lifters that see a
+/// single view of the same keypoints.
 Predictor TriangulatedPoses();
 
 /// Truth and calibrations in centimetres or metres are read as such, which is reported. Throws Error(kBadInput) where a

@@ -78,7 +78,7 @@ TEST_F(EvaluateDatasetsTest, AViewWithoutPredictionsCountsAsMissing) {
   EXPECT_EQ(report.missing_predictions, frames);
 }
 
-TEST_F(EvaluateDatasetsTest, SolvedPosesAreAskedForWhereThereAreNone) {
+TEST_F(EvaluateDatasetsTest, RefusesDatasetsThatAreNotSolved) {
   const DatasetEvaluation job = Job(SmallCapture());
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { EvaluateDatasets(job, SolvedPoses()); }),
               HasSubstr("expected solved poses"));

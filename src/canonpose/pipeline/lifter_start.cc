@@ -29,7 +29,8 @@ StartPoses LiftAll(const PoseLifter& lifter, const Dataset& dataset, const std::
   return start;
 }
 
-/// Poses with joints made from others; NaN where there is nothing to make one of. Centred on the root of the target.
+/// Poses whose joints are made from others; NaN if the joints that one is made from are missing. Centred on the root of
+/// the target.
 PoseSequence MapPoses(const LayoutMapping& mapping, const PoseSequence& lifted, const std::string& camera) {
   const std::vector<float>& poses = lifted.positions();
   const int root = mapping.target.root;
@@ -54,7 +55,7 @@ PoseSequence MapPoses(const LayoutMapping& mapping, const PoseSequence& lifted, 
   return PosesAboutRoot(mapping.target, std::move(mapped), camera);
 }
 
-/// The same view with a pose for the starter: its joints, by name.
+/// The same view with the joints of the starter, found by name.
 CameraView MapView(const LayoutMapping& mapping, const CameraView& view) {
   const std::size_t source_joints = mapping.source.joints.size();
   const std::size_t joints = mapping.joints.size();

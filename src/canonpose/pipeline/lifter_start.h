@@ -1,4 +1,4 @@
-// Starts of the self-calibration that a lifter gives. Where the program is built without LibTorch there are none
+// Start poses for the self-calibration that come from a lifter. A build without LibTorch has none
 // (lifter_start_absent.cc).
 #pragma once
 
@@ -13,13 +13,13 @@ namespace canonpose {
 /// Whether the starter lifts bodies of these joints.
 bool StarterCanStart(const Skeleton& skeleton);
 
-/// What the lifter BootstrapOptions::model sees in each view.
+/// The poses that the lifter BootstrapOptions::model estimates in each view.
 StartPoses StartFromModel(const Dataset& dataset, const std::string& file, const BootstrapOptions& options);
 
-/// What the starter sees in each view: its own joints, of which the dataset's are made again.
+/// The poses that the starter estimates in each view. It has joints of its own, from which the dataset's are made.
 StartPoses StartFromStarter(const Dataset& dataset, const std::string& device);
 
-/// What a lifter sees that is trained on the dataset first, by the method.
+/// The poses of a lifter that is first trained on the dataset itself, by the method.
 StartPoses StartFromMethod(const Dataset& dataset, const std::string& file, const BootstrapOptions& options);
 
 }  // namespace canonpose

@@ -7,7 +7,7 @@ namespace {
 
 [[noreturn]] void ThrowNoLifter() {
   ThrowInvalidArgument(
-      "this build is without LibTorch and so has no lifter to start from; choose `bootstrap=factorisation` (static "
+      "this build has no LibTorch and therefore no lifter to start from; choose `bootstrap=factorisation` (static "
       "cameras)");
 }
 

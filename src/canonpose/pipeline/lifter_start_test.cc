@@ -30,7 +30,7 @@ TEST(Bootstrap, TakesTheStarterForPeople) {
   EXPECT_NEAR(start.sequences[0][0].PoseAt(0)(dataset.skeleton.root, 0), 0.0F, 1e-6);
 }
 
-TEST(Bootstrap, TrainingALifterForItCanBeStopped) {
+TEST(Bootstrap, TrainingTheLifterToStartFromCanBeStopped) {
   BootstrapOptions options;
   options.kind = "method";
   int polls = 0;

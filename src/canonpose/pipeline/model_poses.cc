@@ -12,7 +12,9 @@ Predictor ModelPoses(const PoseLifter& lifter) {
             return PredictedPoses{std::move(poses.pose_in_camera), std::move(poses.canonical)};
           },
           false,
-          "train again with `mirror` flip, or with keep if `info` reports that it was flipped"};
+          "models of preset best: solve again with `mirror=flip` and train on the result; models of presets paper, "
+          "paper+c and "
+          "plus: train again with `mirror=flip`. If the mirror was flipped already, `mirror=keep` instead"};
 }
 
 }  // namespace canonpose

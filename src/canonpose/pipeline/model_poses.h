@@ -1,4 +1,4 @@
-// A model's poses, to be evaluated.
+// A model's poses, for evaluation.
 #pragma once
 
 #include "canonpose/lift/lifter.h"
@@ -6,7 +6,7 @@
 
 namespace canonpose {
 
-/// What a model sees in each view by itself. Keeps a reference to `lifter`.
+/// Lifts each view by itself. Keeps a reference to `lifter`.
 Predictor ModelPoses(const PoseLifter& lifter);
 
 }  // namespace canonpose

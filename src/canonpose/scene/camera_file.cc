@@ -44,7 +44,7 @@ void CheckCamera(const h5::Group& group, const Camera& camera, const std::string
   }
 }
 
-/// The shape of one value a frame, or of a single one where all frames share it.
+/// The shape of one value per frame, or of a single one that all frames share.
 std::vector<std::size_t> WithRows(std::size_t rows, std::vector<std::size_t> tail) {
   if (rows > 1) tail.insert(tail.begin(), rows);
   return tail;

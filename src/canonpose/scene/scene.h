@@ -43,7 +43,7 @@ struct Scene {
   Provenance scale;
 
   /// Throws std::logic_error where people differ in unit, frames or times, or are not in the world's coordinates, or a
-  /// moving camera has not one calibration per frame.
+  /// moving camera lacks one calibration per frame.
   void Validate() const;
 };
 

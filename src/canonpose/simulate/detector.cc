@@ -186,7 +186,7 @@ void DetectorOptions::Validate() const {
   struct Strength {
     const char* name;
     double value;
-    double most;
+    double max;
   };
   const std::array<Strength, 10> strengths = {{{"noise", noise, kMaxStrength},
                                                {"jitter", jitter, kMaxStrength},
@@ -199,8 +199,8 @@ void DetectorOptions::Validate() const {
                                                {"joint_offset", joint_offset, kMaxStrength},
                                                {"sync_jitter", sync_jitter, kMaxSyncFrames}}};
   for (const Strength& strength : strengths) {
-    if (!(strength.value >= 0.0 && strength.value <= strength.most)) {
-      ThrowInvalidArgument("`{}` {} is out of range; give 0 to {}", strength.name, strength.value, strength.most);
+    if (!(strength.value >= 0.0 && strength.value <= strength.max)) {
+      ThrowInvalidArgument("`{}` {} is out of range; give 0 to {}", strength.name, strength.value, strength.max);
     }
   }
 }

@@ -385,7 +385,7 @@ TEST(Procedural, SkiersLeanIntoTheirTurns) {
     double left = 0.0;
     double right = 0.0;
     int agrees = 0;
-    int turning = 0;
+    int leaning_frames = 0;
     for (int f = 10; f + 10 < played.frames(); ++f) {
       const Vector3d feet = 0.5 * (played.At(f, kBLFoot) + played.At(f, kBRFoot));
       const Vector3d legs = (played.At(f, kBHip) - feet).normalized();
@@ -398,7 +398,7 @@ TEST(Procedural, SkiersLeanIntoTheirTurns) {
       const Vector3d after = played.At(f + 10, kBLFoot) - played.At(f, kBLFoot);
       const double turn = (after - before).dot(to_left);
       if (std::abs(lean) > 25.0) {
-        ++turning;
+        ++leaning_frames;
         agrees += (turn > 0.0) == (lean > 0.0) ? 1 : 0;
         const int inner = lean > 0.0 ? kLeft : kRight;
         EXPECT_GT(played.Knee(f, inner), played.Knee(f, 1 - inner)) << "seed " << seed << " frame " << f;
@@ -408,7 +408,7 @@ TEST(Procedural, SkiersLeanIntoTheirTurns) {
     EXPECT_GT(left, 30.0) << seed;
     EXPECT_LT(right, -30.0) << seed;
     EXPECT_LT(std::max(left, -right), 68.0) << seed;
-    EXPECT_GT(agrees, 0.97 * turning) << seed;
+    EXPECT_GT(agrees, 0.97 * leaning_frames) << seed;
   }
 }
 

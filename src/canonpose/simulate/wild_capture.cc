@@ -83,7 +83,7 @@ JointSources FindSources(const Skeleton& skeleton, const std::string& layout_nam
     ThrowBadInput({"", skeleton.name.empty() ? "the skeleton" : fmt::format("skeleton {}", skeleton.name),
                    "a person's joints with known names (hips, knees, shoulders, elbows, the root)",
                    fmt::format("{}", fmt::join(skeleton.joints, ", ")),
-                   "simulated people are of no use for it: train on the recording itself"});
+                   "simulated people cannot stand in for it: train on the recording itself"});
   }
   if (layout_name.empty()) {
     const Skeleton known = KnownJoints(skeleton, MapAvailableJoints(LandmarkSkeleton(), skeleton));

@@ -109,7 +109,8 @@ TEST_P(Rigs, APerturbedStartReturnsToTheTruth) {
   ASSERT_GT(LargestReprojection(estimate, rig.truth), 0.05);
   const AdjustmentSummary summary = AdjustAll(rig, ForExactData(), estimate);
   EXPECT_EQ(summary.ending, AdjustmentEnding::kConverged) << summary.reason;
-  EXPECT_LT(summary.final_cost, 1e-6 * summary.initial_cost);
+  // The image scales of moving cameras are drawn, weakly, to what they were at the perturbed start.
+  EXPECT_LT(summary.final_cost, (GetParam() ? 1e-6 : 1e-5) * summary.initial_cost);
   EXPECT_LT(LargestReprojection(estimate, rig.truth), 1e-4);
   for (std::size_t j = 1; j < estimate.log_bone_lengths[0].size(); ++j) {
     EXPECT_NEAR(estimate.log_bone_lengths[0][j], rig.truth.log_bone_lengths[0][j], 1e-3) << j;
@@ -151,9 +152,11 @@ TEST(Adjust, TheWorldMayBeTurnedMovedAndOfAnySize) {
   EXPECT_LT(LargestReprojection(here, there), 1e-4);
   EXPECT_GT(LargestJointError(here, there), 0.1);  // it stays where it was: nothing says where the world is
 
-  RigEstimate large = InAnotherWorld(Perturbed(rig.truth, rig.capture.skeleton.root), 1.3);
-  ASSERT_NEAR(SumOfBones(large), 1.3, 0.1);
-  EXPECT_TRUE(AdjustAll(rig, options, large).IsUsable());
+  RigEstimate large = InAnotherWorld(rig.truth, 1.1);
+  ASSERT_NEAR(SumOfBones(large), 1.1, 1e-9);
+  const AdjustmentSummary of_large = AdjustAll(rig, options, large);
+  EXPECT_EQ(of_large.ending, AdjustmentEnding::kConverged) << of_large.reason;
+  EXPECT_LT(of_large.final_cost, 1e-6 * of_large.initial_cost);
   EXPECT_NEAR(SumOfBones(large), 1.0, 1e-3);
   EXPECT_LT(LargestReprojection(here, large), 1e-4);
 }

@@ -107,7 +107,7 @@ TEST(MeasureNoise, FindsTheNoiseThatWasAdded) {
 }
 
 TEST(JointUncertainty, IsTheScatterOfTriangulatedJoints) {
-  // The same joint before the same cameras, again and again, without help from bones and smoothness.
+  // The same joint in front of the same cameras, again and again, without help from bones and smoothness.
   constexpr int kTimes = 1000;
   ExactRigOptions options;
   options.frames = 1;

@@ -93,10 +93,9 @@ TEST(ShapeFromViews, NeedsTwoViewsThatDoNotContradictEachOther) {
   std::vector<Eigen::Matrix3d> rotations = RotationsIn(rig.truth, 3);
   for (std::size_t v = 1; v < rotations.size(); ++v) rotations[v].setConstant(kNaN);
   EXPECT_FALSE(ShapeFromViews(rig.capture, 3, rotations, false).valid);
-  // Half a turn about the viewing axis: joints would have to be on both sides of the root.
+  // Half a turn of one view about its viewing axis: its joints would have to be on the other side of the root.
   rotations = RotationsIn(rig.truth, 3);
-  const Eigen::Matrix3d half_turn = Eigen::Vector3d(-1, -1, 1).asDiagonal();
-  for (Eigen::Matrix3d& rotation : rotations) rotation = half_turn * rotation;
+  rotations[1] = Eigen::Vector3d(-1, -1, 1).asDiagonal() * rotations[1];
   EXPECT_FALSE(ShapeFromViews(rig.capture, 3, rotations, false).valid);
 }
 

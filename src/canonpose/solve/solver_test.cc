@@ -118,7 +118,7 @@ Dataset ExactHandheldCapture() {
   return testing::Simulate(options).dataset;
 }
 
-TEST(Solve, TheMirrorOfTheStartIsFoundBeforeMovingCameras) {
+TEST(Solve, TheMirrorOfTheStartIsFoundWithMovingCameras) {
   Dataset dataset = ExactHandheldCapture();
   const SolveReport report = Solve(dataset, Mirrored(testing::NoisyTruth(dataset)), {});
   EXPECT_EQ(report.captures[0].mirror, "flipped");

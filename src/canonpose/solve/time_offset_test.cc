@@ -51,16 +51,6 @@ TEST(EstimateOffset, LeavesCamerasInStepAlone) {
   }
 }
 
-TEST(EstimateOffset, RefinesByAnyGain) {
-  // One frame of a slow person is not worth a believed offset, but the last step of one that is known.
-  Recording recording = Film(4);
-  testing::SeeJoints(recording.rig.truth, 0.02, 6, recording.rig.capture);
-  recording.solution.scales.observation = NoiseModel(0.02);
-  ShiftView(recording.rig.capture, 0, 1, 1);
-  EXPECT_EQ(EstimateOffset(recording.rig.capture, recording.solution, 0, 1, false).frames, 0);
-  EXPECT_EQ(EstimateOffset(recording.rig.capture, recording.solution, 0, 1, true).frames, -1);
-}
-
 TEST(EstimateOffset, SaysNothingOfShortClipsAndUnknownCameras) {
   Recording brief = Film(4, 21);
   ShiftView(brief.rig.capture, 0, 1, 4);

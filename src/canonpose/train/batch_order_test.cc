@@ -11,7 +11,7 @@
 namespace canonpose {
 namespace {
 
-/// Frames of several sequences at 10 frames a second, of two captures in turn; two cameras.
+/// Frames of several sequences at 10 frames per second, of two captures in turn; two cameras.
 TrainingSet Set(const std::vector<int>& lengths) {
   TrainingSet set;
   set.static_captures = {0, 0};

@@ -139,16 +139,16 @@ bool UpdateMirrorDecision(const PerspectiveSlope& slope, MirrorHandling handling
     decision = {"undecided", slope.slope, slope.standard_error};
     const std::string reason =
         slope.clips < kMinClips
-            ? fmt::format("the recording is too short to tell ({}; {} clips are needed): record more", slope.Describe(),
-                          kMinClips)
+            ? fmt::format("the recording is too short to decide ({}; {} clips are needed): record more",
+                          slope.Describe(), kMinClips)
             : fmt::format(
-                  "perspective is too weak to tell, or training found no good solution ({}, {:.1f} standard errors; {} "
+                  "perspective is too weak to decide, or training found no good solution ({}, {:.1f} standard errors; "
+                  "{} "
                   "are needed): try another `seed`",
                   slope.Describe(), slope.standard_errors(), PerspectiveSlope::kSure);
     LogWarning(
         "mirror: undecided, the 3D poses may be depth-reversed (front and back exchanged): {}, or look at the poses "
-        "and "
-        "train again with `mirror=keep` or `mirror=flip`",
+        "and train again with `mirror=keep` or `mirror=flip`",
         reason);
     return false;
   }

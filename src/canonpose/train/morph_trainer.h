@@ -41,7 +41,7 @@ struct MorphReport {
 ///
 /// Throws Error(kInvalidArgument) where the folder holds a run and neither resume nor overwrite is asked for,
 /// Error(kBadInput) where the checkpoint is of other data or options, and Error(kComputation) where there are too few
-/// pairs or the loss is no longer finite.
+/// pairs or the loss is not finite any more.
 MorphReport TrainMorph(const MorphJob& job);
 
 }  // namespace canonpose

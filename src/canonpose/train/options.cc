@@ -117,8 +117,12 @@ void ValidateSupervised(const TrainOptions& options) {
     ThrowInvalidArgument("`network=martinez` outputs no rotation: leave `rotation` and `rotation_spread` out");
   }
   if (options.mirror != MirrorHandling::kAuto) {
-    ThrowInvalidArgument("with `supervision={}` poses are learned the right way round: leave `mirror` out",
-                         supervision);
+    ThrowInvalidArgument(
+        "with `supervision={}` a lifter has no mirror to choose, it learns the poses as they are: leave `mirror` out{}",
+        supervision,
+        options.supervision == Supervision::kSolved
+            ? "; if the solved poses are mirrored, run `canonpose solve` with `mirror=flip` and train on the result"
+            : "");
   }
   if (options.perspective != PerspectiveForm::kOff || options.camera_consistency != CameraConsistency::kOff) {
     ThrowInvalidArgument(

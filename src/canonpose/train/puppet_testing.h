@@ -1,4 +1,4 @@
-// For tests only: a puppet that moves before simple cameras, and a short training on it.
+// For tests only: a puppet that moves in front of simple cameras, and a short training on it.
 #pragma once
 
 #include <array>

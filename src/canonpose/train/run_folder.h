@@ -12,7 +12,7 @@
 namespace canonpose {
 
 /// Makes the folder and removes half-written files that killed runs left. Throws Error(kInvalidArgument) where it holds
-/// a run and neither `resume` nor `overwrite` says what to do with it. An empty path is no folder: nothing is done.
+/// a run and neither `resume` nor `overwrite` says what to do with it. With an empty path nothing is done.
 void PrepareRunFolder(const std::filesystem::path& folder, bool resume, bool overwrite);
 
 /// What a run writes, and reads when it is resumed:
@@ -47,11 +47,11 @@ class RunFolder {
 
   /// From here on this thread's messages are written to train.log, too.
   void OpenLog();
-  /// Writes to train.log alone, where it is open.
+  /// Writes to train.log only, if it is open.
   void WriteLog(const std::string& text);
 
-  /// Makes model.cpm of the checkpoint, where there is one, and says so: "the last good model, of step 7, is in ...".
-  /// An untrained network is no reason to replace a model that an earlier run left there.
+  /// Makes model.cpm from the checkpoint, if there is one, and says so: "the last good model, of step 7, is in ...". An
+  /// untrained network does not replace a model of an earlier run.
   [[nodiscard]] std::string KeepLastGoodModel() const;
 
  private:

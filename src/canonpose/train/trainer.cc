@@ -232,7 +232,8 @@ void LifterTraining::EndStage() {
 
 void LifterTraining::EndEpoch(const EpochSums& sums) {
   const double seconds = SecondsSince(std::exchange(epoch_start_, Clock::now()));
-  // The epochs of a restart are the run's own only where it is chosen, and then those after it tell enough.
+  // The epochs of a restart are not recorded: only those of the chosen one are part of the run, and those after it are
+  // enough.
   if (IsRestarting()) return;
   const std::int64_t epoch = state_.step / steps_per_epoch();
   const EpochSums mean = sums.Mean();

@@ -28,7 +28,7 @@ std::optional<TrainOptions> RecordedOptions(const std::filesystem::path& run_fol
 ///
 /// Throws Error(kInvalidArgument) where the folder holds a run and neither resume nor overwrite is asked for,
 /// Error(kBadInput) where the data lack something, differ from the checkpoint's, or files cannot be written, and
-/// Error(kComputation) where a loss is no longer finite: model.cpm is then the last good one.
+/// Error(kComputation) where a loss is not finite any more: model.cpm is then the last good one.
 TrainReport Train(const TrainJob& job);
 
 }  // namespace canonpose

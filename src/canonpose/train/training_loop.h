@@ -71,8 +71,8 @@ class TrainingLoop {
 
   /// Runs to the last step. False where the caller asked it to stop before; the checkpoint is saved then.
   ///
-  /// No step waits for the device: losses are read a few times a second, at the end of an epoch and before saving. One
-  /// that is not finite is found then; Error(kComputation) says between which steps it was, and where the last good
+  /// No step waits for the device: losses are read a few times per second, at the end of an epoch and before saving.
+  /// One that is not finite is found then; Error(kComputation) says between which steps it was, and where the last good
   /// model is.
   bool Run();
 

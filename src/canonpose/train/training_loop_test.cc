@@ -19,7 +19,7 @@ using testing::ErrorOf;
 using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
-/// Moves x towards 3, five steps an epoch, and notes what it is asked for.
+/// Moves x towards 3, five steps per epoch, and records which of its functions are called.
 class Toy : public TrainingTask {
  public:
   explicit Toy(std::int64_t steps) : steps_(steps) {}

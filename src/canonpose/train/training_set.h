@@ -26,7 +26,7 @@ struct TrainingFrame {
   int clip = 0;     ///< a run of consecutive frames of one sequence; statistics treat clips as independent
   std::vector<TrainingView> views;
   int sequence = 0;      ///< number of its sequence, counted over all datasets
-  double seconds = 0.0;  ///< since the sequence's first frame; 30 frames a second where the rate is unknown
+  double seconds = 0.0;  ///< since the sequence's first frame; 30 frames per second where the rate is unknown
 };
 
 /// Where a row of a set comes from: indices into the datasets, their sequences and cameras, and the frame.

@@ -1,8 +1,8 @@
 // Whether a lifter that was trained without labels has settled in a degenerate solution, "the trap": poses that are too
 // deep, with rotations that are too small, or poses of which some are right and others mirrored.
 //
-// From two weak-perspective views of a body, twice the depth cannot be told from half the angle between the cameras
-// (the bas-relief ambiguity). Only many poses and views together determine it, and view consistency alone may settle on
+// Two weak-perspective views of a body do not distinguish twice the depth from half the angle between the cameras (the
+// bas-relief ambiguity). Only many poses and views together determine it, and view consistency alone may settle on
 // the wrong answer. That shows without truth: people seen from all around are as deep as they are wide, and cameras are
 // static or rotate slowly, whatever people do.
 #pragma once

@@ -196,8 +196,8 @@ class BvhParser {
     file_.fps = 1.0 / seconds;
     if (std::abs(std::round(file_.fps) - file_.fps) < 2e-4 * file_.fps) file_.fps = std::round(file_.fps);
     // A value takes at least two bytes, which limits how many the file can contain whatever count it claims.
-    const double most = static_cast<double>(lines_.bytes_left() + 1) / 2.0 / static_cast<double>(file_.row);
-    file_.values.reserve(static_cast<std::size_t>(std::min(frames, most)) * file_.row);
+    const double max_frames = static_cast<double>(lines_.bytes_left() + 1) / 2.0 / static_cast<double>(file_.row);
+    file_.values.reserve(static_cast<std::size_t>(std::min(frames, max_frames)) * file_.row);
     while (lines_.Next()) {
       if (static_cast<double>(file_.frames) == frames) {
         lines_.Fail(fmt::format("{} rows, the number after Frames:", frames), kDamaged, "more rows");

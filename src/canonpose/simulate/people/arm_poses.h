@@ -17,9 +17,9 @@ enum class ArmPose {
   kForward,
   kUpDiagonal,
   kGoalpost,  ///< upper arm sideways, forearm up
-  kChest,     ///< hand before the chest
+  kChest,     ///< hand in front of the chest
   kCross,     ///< hand at the other elbow
-  kBelly,     ///< hands before the belly
+  kBelly,     ///< hands in front of the belly
   kBehindBack,
   kGuard,  ///< boxer's
   kPocket,

@@ -72,7 +72,7 @@ double Point(Stage& stage, double t, double seconds) {
   return t + seconds;
 }
 
-// Quick straight punches and hooks out of a guard, turning the trunk.
+// Quick straight punches and hooks out of a guard, with a twist of the trunk.
 double Box(Stage& stage, double t, double seconds) {
   for (const int side : {kLeft, kRight}) MoveArm(stage, side, t, 0.4, AnglesOf(stage, ArmPose::kGuard));
   const double end = t + 0.45 + seconds;

@@ -46,8 +46,8 @@ std::vector<Leg> PlanLegs(Stage& stage, bool running) {
   return legs;
 }
 
-// The pelvis' path through a room, from one goal to the next with limited turning rates. Velocities and turning rates
-// pass through two first-order lags, so that accelerations are smooth.
+// The pelvis' path through a room, from one goal to the next with limited angular velocities. Linear and angular
+// velocities pass through two first-order lags, so that accelerations are smooth.
 void WalkThroughRoom(Stage& stage, const std::vector<Leg>& legs, double radius, double max_turn) {
   double x = 0.0;
   double y = 0.0;

@@ -164,7 +164,7 @@ Dataset BenchmarkBuilder::Finish(double confidence_scale) {
     frames += static_cast<std::size_t>(sequence.frame_count);
     cameras.insert(sequence.cameras.size());
   }
-  LogInfo("{}: {} ({}), {}, {}, {} a sequence", options_.format, Count(subjects.size(), "subject"),
+  LogInfo("{}: {} ({}), {}, {}, {} per sequence", options_.format, Count(subjects.size(), "subject"),
           fmt::join(subjects, ", "), Count(dataset_.sequences.size(), "sequence"), Count(frames, "frame"),
           Count(cameras.empty() ? 0 : *cameras.rbegin(), "camera"));
   LogInfo("{} in the files' layout {}, {} in the dataset's {}", Count(keypoints_.source.joints.size(), "joint"),

@@ -59,9 +59,9 @@ std::vector<Rows> ReadCameras(const pickle::Value& root, std::size_t count, cons
     RequirePixels(rows.keypoints, file, poses[name].place());
     rows.confidence = ReadRows(confidences[name], count, kDetectedJoints).values;
     RequireFinite(rows.confidence, kDetectedJoints, 1, file, confidences[name].place());
-    const auto least = std::min_element(rows.confidence.begin(), rows.confidence.end());
-    if (least != rows.confidence.end() && *least < 0.0) {
-      confidences[name].Fail("confidences from 0 on", "", fmt::format("{}", *least));
+    const auto lowest = std::min_element(rows.confidence.begin(), rows.confidence.end());
+    if (lowest != rows.confidence.end() && *lowest < 0.0) {
+      confidences[name].Fail("confidences of 0 or more", "", fmt::format("{}", *lowest));
     }
     cameras.push_back(std::move(rows));
   }

@@ -39,8 +39,8 @@ TEST(Mpi3dhpTrainTest, SeventeenJointsOfTwentyEight) {
   }
   EXPECT_EQ(dataset.sequences[1].subject, "S2");
   ExpectRightIsRight(dataset, dataset.sequences[0].cameras[4]);
-  EXPECT_THAT(log,
-              AllOf(HasSubstr("truth is annot3"), HasSubstr("14 cameras a sequence"), HasSubstr("in mm: legs are 8")));
+  EXPECT_THAT(
+      log, AllOf(HasSubstr("truth is annot3"), HasSubstr("14 cameras per sequence"), HasSubstr("in mm: legs are 8")));
 }
 
 TEST(Mpi3dhpTrainTest, CalibrationTruthAndCamerasByChoice) {

@@ -35,10 +35,10 @@ TEST(Usage, HelpAndVersionAreCommandsToo) {
   for (const std::string command :
        {"import", "simulate", "train", "train-morph", "evaluate", "solve", "lift", "info"}) {
     EXPECT_THAT(help.output, HasSubstr(command));
-    const Outcome help = Execute({"help", command});
-    EXPECT_EQ(help.exit_code, 0) << command << help.errors;
-    EXPECT_THAT(help.output, HasSubstr("canonpose " + command));
-    EXPECT_EQ(help.output, Execute({command, "--help"}).output);
+    const Outcome of_command = Execute({"help", command});
+    EXPECT_EQ(of_command.exit_code, 0) << command << of_command.errors;
+    EXPECT_THAT(of_command.output, HasSubstr("canonpose " + command));
+    EXPECT_EQ(of_command.output, Execute({command, "--help"}).output);
   }
   EXPECT_EQ(Execute({"help", "help"}).exit_code, 0);
 }

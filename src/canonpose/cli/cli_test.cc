@@ -269,7 +269,7 @@ TEST(Program, WhatCannotBeTrainedOnIsRefusedBefore) {
   fs::copy_file(data, folder / "copy.h5");
   arguments = TrainArguments(data, run);
   arguments.insert(arguments.begin() + 2, folder / "copy.h5");
-  ExpectBadInput(arguments, AllOf(HasSubstr("data.h5: clip"), HasSubstr("copy.h5"), HasSubstr("held out")));
+  ExpectBadInput(arguments, AllOf(HasSubstr("copy.h5: clip"), HasSubstr("of clip in data.h5"), HasSubstr("held out")));
   arguments = TrainArguments(data, run);
   arguments.insert(arguments.end(), {"--cameras", "a"});
   ExpectBadInput(arguments, HasSubstr("at least two cameras"));

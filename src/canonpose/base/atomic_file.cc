@@ -171,6 +171,14 @@ void AppendLine(const fs::path& path, const std::string& line) {
   if (!file) ThrowCannotWrite(path, errno == 0 ? EIO : errno);
 }
 
+void RequireOutputIsNotAnInput(const fs::path& output, const std::vector<fs::path>& inputs) {
+  for (const fs::path& input : inputs) {
+    std::error_code error;
+    if (output.empty() || input.empty() || !fs::equivalent(output, input, error) || error) continue;
+    ThrowInvalidArgument("{} is an input and would be overwritten: write to another file", output.string());
+  }
+}
+
 std::string ReadFile(const fs::path& path) {
   const auto fail = [&path](int error_number) {
     ThrowBadInput({path.string(), "", "a file that can be read", std::strerror(error_number), "check the path"});

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace canonpose {
 
@@ -64,6 +65,10 @@ void WriteFileAtomically(const std::filesystem::path& path, std::string_view con
 
 /// Appends a line to a file, which is created if needed. Throws Error(kBadInput).
 void AppendLine(const std::filesystem::path& path, const std::string& line);
+
+/// Throws Error(kInvalidArgument) where `output` is also one of the `inputs`, under whatever name: to be called before
+/// any work is done. Empty paths are ignored, and so are inputs that do not exist.
+void RequireOutputIsNotAnInput(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs);
 
 /// The whole file. Throws Error(kBadInput) where it cannot be read.
 std::string ReadFile(const std::filesystem::path& path);

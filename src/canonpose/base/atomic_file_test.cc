@@ -39,6 +39,21 @@ TEST(AtomicFile, LeavesNothingBehindWithoutCommit) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
+TEST(RequireOutputIsNotAnInput, KnowsAFileByWhateverName) {
+  const TemporaryFolder folder;
+  WriteFileAtomically(folder / "a.h5", "x");
+  std::filesystem::create_symlink(folder / "a.h5", folder / "link.h5");
+  RequireOutputIsNotAnInput(folder / "new.h5", {folder / "a.h5", "", folder / "new.h5"});
+  RequireOutputIsNotAnInput(folder / "a.h5", {folder / "none.h5"});
+  for (const std::filesystem::path& output : {folder / "a.h5", folder / "link.h5", folder / "./a.h5"}) {
+    EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument,
+                        [&] {
+                          RequireOutputIsNotAnInput(output, {"", folder / "a.h5"});
+                        }),
+                ::testing::HasSubstr("would be overwritten"));
+  }
+}
+
 TEST(AtomicFile, MissingFolderIsOneLine) {
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { WriteFileAtomically("/nonexistent/a", ""); }),
               AllOf(HasSubstr("/nonexistent/a"), HasSubstr("No such file or directory")));

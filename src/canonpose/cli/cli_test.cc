@@ -1,6 +1,7 @@
 // The program from the user's side: commands, files, exit codes, and training that is killed.
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -22,6 +23,7 @@
 #include "canonpose/base/testing.h"
 #include "canonpose/cli/program_testing.h"
 #include "canonpose/cli/terminal_testing.h"
+#include "canonpose/data/codecs/npz.h"
 #include "canonpose/data/dataset.h"
 
 namespace canonpose {
@@ -33,6 +35,7 @@ using testing::Become;
 using testing::Execute;
 using testing::ExpectBadInput;
 using ::testing::HasSubstr;
+using testing::HasTrained;
 using testing::Lasting;
 using ::testing::Not;
 using testing::Outcome;
@@ -121,10 +124,8 @@ TEST(Program, ImportsBenchmarks) {
               AllOf(HasSubstr("made from    3dhp-test"), HasSubstr("univ_annot3"), HasSubstr("On The Floor")));
   // A sequence of one camera is for evaluation.
   const fs::path run = folder / "run";
-  ASSERT_EQ(Execute({"train", folder / "skipose.h5", "-o", run, "--preset", "plus", "--width", "24", "--epochs", "1",
-                     "--threads", "1"})
-                .exit_code,
-            0);
+  ASSERT_TRUE(HasTrained(Execute({"train", folder / "skipose.h5", "-o", run, "--preset", "plus", "--width", "24",
+                                  "--epochs", "1", "--threads", "1"})));
   const Outcome measured = Execute({"evaluate", run, folder / "3dhp-test.h5"});
   EXPECT_EQ(measured.exit_code, 0) << measured.errors;
 
@@ -162,7 +163,7 @@ TEST(Program, TrainEvaluateLiftInfo) {
   const TemporaryFolder folder;
   WriteData(folder / "data.h5");
   const Outcome trained = Execute(TrainArguments(folder / "data.h5", folder / "run"));
-  ASSERT_EQ(trained.exit_code, 0) << trained.errors;
+  ASSERT_TRUE(HasTrained(trained)) << trained.errors;
   const Outcome evaluated = Execute({"evaluate", folder / "run", folder / "data.h5", "--json", folder / "report.json"});
   ASSERT_EQ(evaluated.exit_code, 0) << evaluated.errors;
   const nlohmann::json report = nlohmann::json::parse(ReadFile(folder / "report.json"));
@@ -177,13 +178,56 @@ TEST(Program, TrainEvaluateLiftInfo) {
     EXPECT_EQ(lifted.exit_code, 0) << lifted.errors;
     EXPECT_TRUE(fs::exists(poses));
   }
-  for (const char* file : {"data.h5", "run", "run/model.cpm", "run/checkpoint.h5", "poses.npz"}) {
+  for (const char* file : {"data.h5", "run", "run/model.cpm", "run/checkpoint.h5", "poses.npz", "poses.csv",
+                           "poses.json", "report.json"}) {
     const Outcome info = Execute({"info", folder / file});
     EXPECT_EQ(info.exit_code, 0) << file << info.errors;
     EXPECT_THAT(info.output, HasSubstr("kind"));
   }
   // A camera must be chosen if there are several.
   ExpectBadInput({"lift", folder / "run", folder / "data.h5", "-o", folder / "p.npz"}, HasSubstr("--camera"));
+}
+
+TEST(Program, LiftLeavesOutWhatTheViewDoesNotShow) {
+  const TemporaryFolder folder;
+  WriteData(folder / "data.h5");
+  Dataset dataset = ReadDataset(folder / "data.h5");
+  CameraView& view = dataset.sequences.front().cameras[1];
+  constexpr std::size_t kHidden = 7 * 5 + 3;
+  view.confidence[kHidden] = 0.0F;
+  WriteDataset(folder / "data.h5", dataset);
+  const Outcome trained = Execute(TrainArguments(folder / "data.h5", folder / "run"));
+  ASSERT_EQ(trained.exit_code, 4) << "random points have no solution that could be believed";
+  EXPECT_THAT(trained.message(), AllOf(HasSubstr("model.cpm is written, but"), HasSubstr("which way round depth is")));
+  const auto lift = [&](const std::string& output, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"lift", folder / "run", folder / "data.h5", "--camera",
+                                          "b",    "-o",           folder / output};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Execute(arguments);
+  };
+  const Outcome hidden = lift("hidden.npz", {});
+  EXPECT_EQ(hidden.exit_code, 0);
+  EXPECT_THAT(hidden.errors, AllOf(HasSubstr("warning: "), HasSubstr("do not rely on these 3D poses"),
+                                   HasSubstr("1 joints were not seen and are left empty")));
+  EXPECT_EQ(lift("filled.npz", {"--fill"}).exit_code, 0);
+  const NpzReader empty(folder / "hidden.npz");
+  const NpzReader filled(folder / "filled.npz");
+  std::vector<std::size_t> shape;
+  EXPECT_TRUE(std::isnan(empty.ReadFloats("pose3d", &shape)[3 * kHidden]));
+  EXPECT_FALSE(std::isnan(empty.ReadFloats("pose3d", &shape)[3 * (kHidden + 1)]));
+  EXPECT_FALSE(std::isnan(filled.ReadFloats("pose3d", &shape)[3 * kHidden]));
+  for (const NpzReader* file : {&empty, &filled}) {
+    EXPECT_EQ(file->ReadFloats("confidence", &shape)[kHidden], 0.0F);
+    EXPECT_FLOAT_EQ(file->ReadFloats("confidence", &shape)[kHidden + 1], 0.9F);
+    EXPECT_EQ(shape, (std::vector<std::size_t>{40, 5}));
+    EXPECT_TRUE(std::isnan(file->ReadFloats("standard_deviation", &shape)[0]));
+  }
+  EXPECT_THAT(lift("x.npz", {"--smooth", "8"}).message(), HasSubstr("--smooth: expected an odd number"));
+  EXPECT_THAT(lift("x.npz", {"--smooth", "41"}).message(), HasSubstr("the 40 frames of the clip"));
+  EXPECT_THAT(lift("x.npz", {"--height", "175"}).message(),
+              HasSubstr("--height: expected the person's height in metres"));
+  EXPECT_EQ(lift("x.npz", {"--frames", "0-500"}).exit_code, 3);
+  EXPECT_FALSE(fs::exists(folder / "x.npz"));
 }
 
 TEST(Program, BadInputsOfTraining) {
@@ -198,7 +242,7 @@ TEST(Program, BadInputsOfTraining) {
   WriteFileAtomically(folder / "cut.h5", ReadFile(data).substr(0, 3000));
   ExpectBadInput({"train", folder / "cut.h5", "-o", folder / "run"}, HasSubstr("cut.h5"));
 
-  ASSERT_EQ(Execute(TrainArguments(data, folder / "run")).exit_code, 0);
+  ASSERT_TRUE(HasTrained(Execute(TrainArguments(data, folder / "run"))));
   EXPECT_EQ(Execute(TrainArguments(data, folder / "run")).exit_code, 2);  // nothing is lost
   WriteData(folder / "six.h5", 40, 6);
   ExpectBadInput({"evaluate", folder / "run", folder / "six.h5"}, AllOf(HasSubstr("six.h5"), HasSubstr("joint5")));
@@ -210,6 +254,57 @@ TEST(Program, BadInputsOfTraining) {
   std::vector<std::string> resume = TrainArguments(data, folder / "run");
   resume.emplace_back("--resume");
   ExpectBadInput(resume, HasSubstr("checkpoint.h5"));
+}
+
+TEST(Program, WhatCannotBeTrainedOnIsRefusedBefore) {
+  const TemporaryFolder folder;
+  const std::string data = folder / "data.h5";
+  const std::string run = folder / "run";
+  WriteData(data);
+  std::vector<std::string> arguments = TrainArguments(data, run);
+  arguments.insert(arguments.end(), {"--frames", "7"});
+  ExpectBadInput(arguments, AllOf(HasSubstr("data.h5: expected at least 5 frames"), HasSubstr("found 1")));
+  arguments.back() = "0-500";
+  ExpectBadInput(arguments, AllOf(HasSubstr("data.h5"), HasSubstr("40 frames"), HasSubstr("--frames 0-39")));
+  fs::copy_file(data, folder / "copy.h5");
+  arguments = TrainArguments(data, run);
+  arguments.insert(arguments.begin() + 2, folder / "copy.h5");
+  ExpectBadInput(arguments, AllOf(HasSubstr("copy.h5: clip"), HasSubstr("of clip in data.h5"), HasSubstr("held out")));
+  arguments = TrainArguments(data, run);
+  arguments.insert(arguments.end(), {"--cameras", "a"});
+  ExpectBadInput(arguments, HasSubstr("at least two cameras"));
+  for (const char* preset : {"plus", "best"}) {
+    arguments[5] = preset;
+    ExpectBadInput(arguments, HasSubstr("at least two cameras"));
+  }
+  EXPECT_FALSE(fs::exists(run + "/model.cpm"));
+  Dataset one = ReadDataset(data);
+  one.sequences.front().cameras.resize(1);
+  WriteDataset(folder / "one.h5", one);
+  ExpectBadInput({"solve", folder / "one.h5", "-o", folder / "s.h5"},
+                 AllOf(HasSubstr("one.h5"), HasSubstr("found one, a")));
+}
+
+TEST(Program, AnOutputIsNeitherAnInputNorOfAnotherName) {
+  const TemporaryFolder folder;
+  const std::string data = folder / "data.h5";
+  WriteData(data);
+  const std::string before = ReadFile(data);
+  const auto expect_refusal = [&](const std::vector<std::string>& arguments, const std::string& text) {
+    const Outcome outcome = Execute(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.errors;
+    EXPECT_THAT(outcome.message(), HasSubstr(text));
+  };
+  const std::string keypoints = TestData("detections/openpose");
+  expect_refusal({"import", "openpose", keypoints, "-o", folder / "x.csv", "--image-size", "640x480"}, "name it x.h5");
+  expect_refusal({"solve", data, "-o", folder / "sol.csv"}, "name it sol.h5");
+  expect_refusal({"simulate", "-o", folder / "sim.npz", "--seconds", "1"}, "name it sim.h5");
+  expect_refusal({"solve", data, "-o", data}, "would be overwritten");
+  expect_refusal({"solve", data, "-o", folder / "s.h5", "--json", data}, "would be overwritten");
+  expect_refusal({"evaluate", data, "--json", data}, "would be overwritten");
+  expect_refusal({"import", "openpose", keypoints, "-o", data, "--image-size", "640x480", "--calibration", data},
+                 "would be overwritten");
+  EXPECT_EQ(ReadFile(data), before);
 }
 
 TEST(Program, BadInputsOfImport) {
@@ -259,7 +354,7 @@ TEST(Program, SimulatedCaptureGoesThroughTheWholePipeline) {
   for (const std::string preset : {"plus", "supervised"}) {
     const Outcome trained = Execute({"train", folder / "a.h5", "-o", folder / preset, "--preset", preset, "--epochs",
                                      "2", "--width", "16", "--threads", "1"});
-    EXPECT_EQ(trained.exit_code, 0) << trained.errors;
+    EXPECT_TRUE(HasTrained(trained)) << trained.errors;
     EXPECT_THAT(Execute({"evaluate", folder / preset, folder / "a.h5"}).output, HasSubstr("Depth of the poses"));
   }
 }
@@ -388,7 +483,8 @@ TEST(Program, TrainingPrintsTheSameOnATerminalAndInAPipe) {
   const auto train = [&](Output output) {
     std::vector<std::string> arguments = TrainArguments(folder / "data.h5", folder / "run");
     arguments.insert(arguments.end(), {"--epochs", "400", "--overwrite"});
-    return SaidTo(output, [&] { Become(arguments); });
+    return SaidTo(
+        output, [&] { Become(arguments); }, /*exit_code=*/4);
   };
   const auto masked = [](const std::string& said) {
     return std::regex_replace(Lasting(said), std::regex(R"(steps in [^,;]*)"), "steps in TIME");
@@ -424,7 +520,7 @@ TEST(Program, KilledAtTwentyRandomMomentsAndResumedGivesTheSameBits) {
   std::vector<std::string> arguments = TrainArguments(folder / "data.h5", folder / "whole");
   arguments.insert(arguments.end(), {"--epochs", "150", "--seed", "5", "--set", "checkpoint_seconds=0.002"});
   const auto start = std::chrono::steady_clock::now();
-  ASSERT_EQ(Execute(arguments).exit_code, 0);
+  ASSERT_TRUE(HasTrained(Execute(arguments)));
   const double whole_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   arguments[3] = folder / "killed";
@@ -443,7 +539,7 @@ TEST(Program, KilledAtTwentyRandomMomentsAndResumedGivesTheSameBits) {
     }
   }
   const Outcome last = Execute(arguments);
-  ASSERT_EQ(last.exit_code, 0) << last.errors;
+  ASSERT_TRUE(HasTrained(last)) << last.errors;
   EXPECT_EQ(ReadFile(folder / "killed/model.cpm"), ReadFile(folder / "whole/model.cpm"));
   EXPECT_EQ(kills, 20);
 }

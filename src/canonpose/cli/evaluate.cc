@@ -106,6 +106,9 @@ void RunEvaluate(const EvaluateArguments& arguments, const CLI::App& app) {
     return;
   }
   if (!arguments.frame_errors.empty()) FrameErrors::RequireFormat(arguments.frame_errors);
+  std::vector<fs::path> inputs = arguments.paths;
+  inputs.insert(inputs.end(), {arguments.predictions, arguments.truth});
+  for (const fs::path& output : {arguments.json, arguments.frame_errors}) RequireOutputIsNotAnInput(output, inputs);
   FrameErrors frame_errors;
   FrameErrors* wanted = arguments.frame_errors.empty() ? nullptr : &frame_errors;
   const bool archives = !arguments.predictions.empty() || !arguments.truth.empty();

@@ -127,10 +127,22 @@ void LogSummary(const Dataset& dataset, const std::string& output) {
           sequence.static_cameras ? "static" : "moving");
 }
 
+/// What would end minutes of work in an error is found before: a name of another kind of file, an input that would be
+/// overwritten, a place that cannot be written.
+void CheckOutput(const ImportArguments& arguments) {
+  RequireDatasetName(arguments.output);
+  std::vector<std::filesystem::path> inputs(arguments.paths.begin(), arguments.paths.end());
+  for (const std::string& camera : arguments.cameras) inputs.emplace_back(SplitNameAndPath(camera).second);
+  inputs.emplace_back(arguments.calibration);
+  inputs.emplace_back(arguments.morph);
+  RequireOutputIsNotAnInput(arguments.output, inputs);
+  const AtomicFile probe(arguments.output);
+}
+
 void RunBenchmarkImport(const ImportArguments& arguments, const CLI::App& command) {
   const BenchmarkOptions options = ToBenchmarkOptions(arguments, command);
   options.Validate();
-  { const AtomicFile probe(arguments.output); }
+  CheckOutput(arguments);
   Dataset dataset = ImportBenchmark(options);
   if (!arguments.morph.empty()) ApplyMorph(arguments.morph, dataset, arguments.output);
   WriteDataset(arguments.output, dataset);
@@ -145,8 +157,7 @@ void RunImport(const ImportArguments& arguments, const CLI::App& command) {
   RefuseOptions(command, {"--truth", "--cameras"}, format + ", which is not a benchmark");
   const ImportOptions options = ToOptions(arguments);
   options.Validate();
-  // Reading may take minutes: first check that the output can be written.
-  { const AtomicFile probe(arguments.output); }
+  CheckOutput(arguments);
   Dataset dataset = ImportDetections(options);
   if (!arguments.morph.empty()) ApplyMorph(arguments.morph, dataset, arguments.output);
   WriteDataset(arguments.output, dataset);

@@ -43,6 +43,7 @@ void PrintSource(const Facts& source) {
   fmt::print("made from    {}{}{}\n", TextIn(source, "format"),
              IsKnown(source, "layout") ? fmt::format(", layout {}", TextIn(source, "layout")) : "",
              scale == 1.0 ? "" : fmt::format(", confidences divided by {:g}", scale));
+  if (IsKnown(source, "morph")) fmt::print("morphed by   {}\n", TextIn(source, "morph"));
   for (const std::string& line : source.at("mapping").get<Texts>()) {
     if (line.find('(') != std::string::npos) fmt::print("derived      {}\n", line);
   }
@@ -121,6 +122,37 @@ void PrintArrays(const Facts& facts) {
   }
 }
 
+void PrintPoses(const Facts& facts) {
+  const auto joints = facts.at("joints").get<Texts>();
+  fmt::print("kind         3D poses, written by lift\n");
+  fmt::print("poses        {} frames of {} joints in {}\n", CountIn(facts, "frames"), joints.size(),
+             TextIn(facts, "units"));
+  fmt::print("joints       {}\n", fmt::join(joints, ", "));
+}
+
+/// What the commands print and write beside their results.
+void PrintReport(const Facts& facts) {
+  const std::string kind = TextIn(facts, "kind");
+  if (kind == "errors") {
+    fmt::print("kind         errors of single poses, written by evaluate\n");
+    fmt::print("poses        {}\ncolumns      {}\n", CountIn(facts, "poses"),
+               fmt::join(facts.at("columns").get<Texts>(), ", "));
+  } else if (kind == "evaluation") {
+    fmt::print("kind         figures, written by evaluate\nprotocol     {}\n", TextIn(facts, "protocol"));
+    fmt::print("figures      N-MPJPE {:.1f} mm, PMPJPE {:.1f} mm over {} poses\n", NumberIn(facts, "n_mpjpe_mm"),
+               NumberIn(facts, "p_mpjpe_mm"), CountIn(facts, "frames"));
+  } else if (kind == "calibration") {
+    const auto cameras = facts.at("cameras").get<Texts>();
+    fmt::print("kind         calibration\ncameras      {}\n", fmt::join(cameras, ", "));
+  } else {
+    const bool is_solve = kind == "solve report";
+    fmt::print("kind         {}, written by {}\n", is_solve ? "report" : "list of protocols",
+               is_solve ? "solve" : "evaluate");
+    const char* what = is_solve ? "captures" : "protocols";
+    fmt::print("{:<13}{}\n", what, CountIn(facts, what));
+  }
+}
+
 void RunInfo(const InfoArguments& arguments) {
   const Facts facts = FactsOf(arguments.path);
   if (arguments.json) {
@@ -133,8 +165,12 @@ void RunInfo(const InfoArguments& arguments) {
     PrintDataset(facts);
   } else if (kind == "npz") {
     PrintArrays(facts);
-  } else {
+  } else if (kind == "poses") {
+    PrintPoses(facts);
+  } else if (kind == "model" || kind == "checkpoint") {
     PrintModel(facts);
+  } else {
+    PrintReport(facts);
   }
 }
 
@@ -144,7 +180,9 @@ void AddInfoCommand(CLI::App& app) {
   auto arguments = std::make_shared<InfoArguments>();
   CLI::App* command =
       app.add_subcommand("info", "Show what a file of canonpose is, what it holds and where it came from");
-  command->add_option("file", arguments->path, "A dataset, model, run folder, checkpoint or .npz file")->required();
+  command
+      ->add_option("file", arguments->path, "A dataset, model, run folder or checkpoint, or a .npz, .csv or .json file")
+      ->required();
   command->add_flag("--json", arguments->json, "As JSON, for programs");
   command->callback([arguments] { RunInfo(*arguments); });
 }

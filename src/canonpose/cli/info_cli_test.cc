@@ -90,10 +90,8 @@ TEST(InfoProgram, DescribesModelsAndCheckpoints) {
   ASSERT_EQ(
       Execute({"simulate", "-o", data, "--subjects", "1", "--clips", "2", "--seconds", "2", "--fps", "10"}).exit_code,
       0);
-  ASSERT_EQ(Execute({"train", data, "-o", run, "--preset", "paper", "--width", "16", "--epochs", "2", "--seed", "3",
-                     "--threads", "1"})
-                .exit_code,
-            0);
+  ASSERT_TRUE(testing::HasTrained(Execute({"train", data, "-o", run, "--preset", "paper", "--width", "16", "--epochs",
+                                           "2", "--seed", "3", "--threads", "1"})));
   const json info = InfoOf(run);
   EXPECT_EQ(info["kind"], "model");
   EXPECT_EQ(info["preset"], "paper");
@@ -143,6 +141,42 @@ TEST(InfoProgram, ListsTheArraysOfAnArchive) {
   EXPECT_EQ(info["arrays"], expected);
   EXPECT_THAT(TextOf(folder / "poses.npz"),
               AllOf(HasSubstr("array        pose3d: (2, 2, 3)\n"), HasSubstr("array        units: mm\n")));
+}
+
+TEST(InfoProgram, KnowsTablesAndReports) {
+  const TemporaryFolder folder;
+  WriteFileAtomically(folder / "poses.csv",
+                      "frame,time [s],Hip_x [mm],Hip_y [mm],Hip_z [mm],\"A,b_x [mm]\",\"A,b_y "
+                      "[mm]\",\"A,b_z [mm]\"\n3,0.1,0,0,0,1,2,3\n4,0.2,0,0,0,1,2,3\n");
+  json info = InfoOf(folder / "poses.csv");
+  EXPECT_EQ(info["kind"], "poses");
+  EXPECT_EQ(info["frames"], 2);
+  EXPECT_EQ(info["units"], "mm");
+  EXPECT_EQ(info["joints"], (json{"Hip", "A,b"}));
+  EXPECT_THAT(TextOf(folder / "poses.csv"), HasSubstr("2 frames of 2 joints in mm"));
+  WriteFileAtomically(folder / "poses.json",
+                      R"({"units": "network units", "joints": ["Hip"], "frames": [7], "pose3d": [[[0, 0, 0]]]})");
+  info = InfoOf(folder / "poses.json");
+  EXPECT_EQ(info["kind"], "poses");
+  EXPECT_EQ(info["frames"], 1);
+
+  const std::string data = TestData("protocols/h36m.h5");
+  ASSERT_EQ(
+      Execute({"evaluate", data, "--json", folder / "figures.json", "--frame-errors", folder / "errors.csv"}).exit_code,
+      0);
+  info = InfoOf(folder / "figures.json");
+  EXPECT_EQ(info["kind"], "evaluation");
+  EXPECT_GT(info["n_mpjpe_mm"], 0.0);
+  EXPECT_THAT(TextOf(folder / "figures.json"), AllOf(HasSubstr("figures, written by evaluate"), HasSubstr("N-MPJPE")));
+  EXPECT_EQ(InfoOf(folder / "errors.csv")["poses"], info["frames"]);
+  EXPECT_THAT(TextOf(folder / "errors.csv"), HasSubstr("errors of single poses"));
+  ASSERT_EQ(Execute({"evaluate", "--list-protocols", "--json", folder / "list.json"}).exit_code, 0);
+  EXPECT_THAT(TextOf(folder / "list.json"), HasSubstr("protocols    5"));
+
+  WriteFileAtomically(folder / "other.csv", "a,b\n1,2\n");
+  ExpectBadInput({"info", folder / "other.csv"}, AllOf(HasSubstr("other.csv"), HasSubstr("found another table")));
+  WriteFileAtomically(folder / "other.json", "{\"people\": []}");
+  ExpectBadInput({"info", folder / "other.json"}, HasSubstr("found other JSON"));
 }
 
 TEST(InfoProgram, RefusesWhatItCannotRead) {

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
 #include "canonpose/cli/with_torch.h"
 #include "canonpose/data/codecs/npz.h"
@@ -34,7 +35,8 @@ Facts SourceFacts(const DatasetSource& source) {
   return {{"format", source.format},
           {"layout", UnlessNone(source.layout)},
           {"confidence_scale", source.confidence_scale},
-          {"mapping", source.mapping}};
+          {"mapping", source.mapping},
+          {"morph", UnlessNone(source.morph)}};
 }
 
 /// Share of joints seen, in percent.
@@ -133,6 +135,84 @@ void AddArrays(const fs::path& path, Facts& facts) {
   }
 }
 
+/// The cells of a line of CSV as RFC 4180 has it.
+std::vector<std::string> CellsOf(const std::string& line) {
+  std::vector<std::string> cells(1);
+  bool is_quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (c == '"' && is_quoted && i + 1 < line.size() && line[i + 1] == '"') {
+      cells.back() += line[i++];
+    } else if (c == '"') {
+      is_quoted = !is_quoted;
+    } else if (c == ',' && !is_quoted) {
+      cells.emplace_back();
+    } else if (c != '\r') {
+      cells.back() += c;
+    }
+  }
+  return cells;
+}
+
+[[noreturn]] void ThrowNotOurs(const fs::path& path, const std::string& found) {
+  ThrowBadInput({path.string(), "", "a file that canonpose wrote", found,
+                 "keypoints of a detector are read by `canonpose import` and `canonpose lift`"});
+}
+
+/// Poses of `lift`, whose header is "frame,time [s],Hip_x [mm],Hip_y [mm],...", or errors of `evaluate`.
+void AddTable(const fs::path& path, Facts& facts) {
+  const std::string text = ReadFile(path);
+  const std::vector<std::string> header = CellsOf(text.substr(0, text.find('\n')));
+  const auto lines = std::count(text.begin(), text.end(), '\n') + (text.empty() || text.back() == '\n' ? 0 : 1);
+  if (std::ranges::count(header, "n_mpjpe_mm") == 1) {
+    facts["kind"] = "errors";
+    facts["poses"] = lines - 1;
+    facts["columns"] = header;
+    return;
+  }
+  Facts joints = Facts::array();
+  Facts units;
+  for (const std::string& cell : header) {
+    const std::size_t mark = cell.rfind("_x [");
+    if (mark == std::string::npos || !cell.ends_with(']')) continue;
+    joints.push_back(cell.substr(0, mark));
+    units = cell.substr(mark + 4, cell.size() - mark - 5);
+  }
+  if (header.front() != "frame" || joints.empty()) ThrowNotOurs(path, "another table");
+  facts["kind"] = "poses";
+  facts["frames"] = lines - 1;
+  facts["units"] = units;
+  facts["joints"] = joints;
+}
+
+/// Poses of `lift`, or a report.
+void AddJson(const fs::path& path, Facts& facts) {
+  const Facts json = Facts::parse(ReadFile(path), nullptr, /*allow_exceptions=*/false);
+  if (json.is_discarded()) ThrowNotOurs(path, "text that is not JSON");
+  const auto has = [&](const char* key) { return json.is_object() && json.contains(key); };
+  if (has("pose3d") && has("joints") && has("units")) {
+    facts["kind"] = "poses";
+    facts["frames"] = json["pose3d"].size();
+    facts["units"] = json["units"];
+    facts["joints"] = json["joints"];
+  } else if (has("protocol") && has("n_mpjpe_mm") && has("p_mpjpe_mm")) {
+    facts["kind"] = "evaluation";
+    for (const char* key : {"protocol", "frames", "n_mpjpe_mm", "p_mpjpe_mm"}) facts[key] = json[key];
+  } else if (has("captures") && json["captures"].is_array()) {
+    facts["kind"] = "solve report";
+    facts["captures"] = json["captures"].size();
+  } else if (has("protocols") && json["protocols"].is_array()) {
+    facts["kind"] = "protocols";
+    facts["protocols"] = json["protocols"].size();
+  } else if (has("cameras") && json["cameras"].is_object() && !has("format")) {
+    facts["kind"] = "calibration";
+    facts["cameras"] = Facts::array();
+    for (const auto& [name, camera] : json["cameras"].items()) facts["cameras"].push_back(name);
+  } else {
+    ThrowNotOurs(path, "other JSON");
+  }
+}
+
 }  // namespace
 
 Facts FactsOf(const fs::path& path) {
@@ -148,6 +228,10 @@ Facts FactsOf(const fs::path& path) {
   } else if (path.extension() == ".npz") {
     facts["kind"] = "npz";
     AddArrays(path, facts);
+  } else if (path.extension() == ".csv") {
+    AddTable(path, facts);
+  } else if (path.extension() == ".json") {
+    AddJson(path, facts);
   } else {
     facts["kind"] = "dataset";
     AddDataset(ReadDataset(path), facts);

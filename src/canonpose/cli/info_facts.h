@@ -1,6 +1,6 @@
 // What a file of ours is, what it holds and where it came from, as JSON: `info` prints it as it is or in words.
 //
-//   of all files  file, kind: dataset, model, checkpoint or npz
+//   of all files  file, kind: dataset, model, checkpoint, npz, or as below
 //   dataset       frames, fingerprint, skeleton, source, sequences [{name, subject, frames, fps, static_cameras,
 //                 capture, actions, truth_kind, cameras [{name, image_size, seen_percent, truth, solved,
 //                 calibrated}]}]
@@ -8,9 +8,13 @@
 //   checkpoint    {verdict, depth_ratio, angle_deg, scatter_deg}, morph {width}, perspective, data [{file,
 //                 fingerprint}], skeleton, source, options {...}
 //   npz           arrays [{name, shape, text}]
+//   poses         of lift, .csv or .json: frames, units, joints
+//   errors        of single poses, .csv: poses, columns
+//   evaluation    .json: protocol, frames, n_mpjpe_mm, p_mpjpe_mm
+//   solve report  .json: captures; protocols: protocols; calibration: cameras [name]
 //
-// with skeleton {name, joints, parents, root} (indices) and source {format, layout, confidence_scale, mapping}. What is
-// not known or does not apply is null.
+// with skeleton {name, joints, parents, root} (indices) and source {format, layout, confidence_scale, mapping, morph}.
+// What is not known or does not apply is null.
 #pragma once
 
 #include <filesystem>

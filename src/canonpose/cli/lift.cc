@@ -1,5 +1,6 @@
 // canonpose lift RUN|model.cpm INPUT -o out.npz
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -10,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/cli/commands.h"
@@ -36,6 +38,7 @@ struct LiftArguments {
   int person = 1;
   std::optional<double> height_m;
   std::optional<int> smooth_frames;
+  bool fill = false;
   std::string device = "cpu";
 };
 
@@ -58,9 +61,20 @@ const Element& Choose(const std::vector<Element>& elements, const std::string& n
   ThrowBadInput({file, "", name.empty() ? "one " + option : option + " " + name, names, "choose one with --" + option});
 }
 
+/// Keypoints must mean what they meant in training: moved by the same morphing network, or by none.
+void WarnOfOtherMorph(const ModelInfo& model, const DatasetSource& source, const std::string& file) {
+  if (model.source.morph == source.morph) return;
+  const auto describe = [](const std::string& morph) { return morph.empty() ? "nothing" : morph; };
+  LogWarning(
+      "{}: its keypoints were moved by {} when they were imported, those that the model learned from by {}: 3D "
+      "poses will be off; import them in the same way (`morph`)",
+      file, describe(source.morph), describe(model.source.morph));
+}
+
 LiftInput FromDataset(const LiftArguments& arguments, const PoseLifter& lifter) {
   Dataset dataset = ReadDataset(arguments.input);
   lifter.RequireSkeleton(dataset.skeleton, arguments.input.string());
+  WarnOfOtherMorph(lifter.info(), dataset.source, arguments.input.string());
   const FrameRange range = arguments.frames.empty() ? FrameRange{} : FrameRange::Parse(arguments.frames);
   if (!arguments.frames.empty()) KeepFrames(dataset, range, arguments.input.string());
   const Sequence& sequence = Choose(dataset.sequences, arguments.sequence, "sequence", arguments.input.string());
@@ -82,6 +96,7 @@ LiftInput FromDetections(const LiftArguments& arguments, const PoseLifter& lifte
   options.person = arguments.person;
   if (!arguments.image_size.empty()) options.image_size = ParseImageSize(arguments.image_size);
   SingleCamera single = ReadSingleCamera(arguments.input, options);
+  WarnOfOtherMorph(lifter.info(), single.source, arguments.input.string());
   return {std::move(single.view), std::move(single.frame_numbers), 0.0};
 }
 
@@ -102,33 +117,40 @@ void RefuseMisplacedOptions(const LiftArguments& arguments, bool is_dataset) {
 
 void RunLift(const LiftArguments& arguments) {
   RequireLiftFormat(arguments.output);
-  if (arguments.height_m && !(*arguments.height_m > 0.0 && *arguments.height_m < 10.0)) {
-    ThrowInvalidArgument("--height: expected the person's height in metres, such as 1.75, found {}",
-                         *arguments.height_m);
-  }
-  if (arguments.smooth_frames && *arguments.smooth_frames < kMinSmoothing) {
-    ThrowInvalidArgument("--smooth: expected {} frames or more, found {}", kMinSmoothing, *arguments.smooth_frames);
-  }
+  RequireOutputIsNotAnInput(arguments.output, {arguments.model, arguments.input});
+  if (arguments.height_m) RequireHeight(*arguments.height_m);
+  if (arguments.smooth_frames) RequireSmoothing(*arguments.smooth_frames, INT_MAX);
   if (!fs::exists(arguments.input)) {
     ThrowBadInput({arguments.input.string(), "", "a dataset or a detector's files", "nothing", "check the path"});
   }
   const bool is_dataset = IsDatasetFile(arguments.input);
   RefuseMisplacedOptions(arguments, is_dataset);
   const PoseLifter lifter = PoseLifter::Open(arguments.model, arguments.device);
+  for (const std::string& doubt : DoubtsAbout(lifter.info())) {
+    LogWarning("{}: do not rely on these 3D poses: {}", arguments.model.string(), doubt);
+  }
   LiftInput input = is_dataset ? FromDataset(arguments, lifter) : FromDetections(arguments, lifter);
+  if (arguments.smooth_frames) RequireSmoothing(*arguments.smooth_frames, static_cast<int>(input.frames.size()));
+  lifter.RequireImageSize(input.view, arguments.input.string());
   LiftedPoses lifted = lifter.Lift(input.view, static_cast<int>(input.frames.size()));
   lifted.frames = std::move(input.frames);
   lifted.pose_in_camera.fps = lifted.canonical.fps = input.fps;
   if (arguments.height_m) ScaleToHeight(lifted, 1000.0 * *arguments.height_m);
+  if (!arguments.fill) lifted.HideUnseenJoints();
   if (arguments.smooth_frames) Smooth(lifted, *arguments.smooth_frames);
   WriteLiftOutput(arguments.output, lifted);
 
+  const long unseen = std::ranges::count(lifted.pose_in_camera.confidence(), 0.0F);
   long missing = 0;
   for (std::size_t t = 0; t < lifted.frames.size(); ++t) missing += std::isnan(lifted.rotation[9 * t]) ? 1 : 0;
-  LogInfo("{}: {} poses of {} in {}{}", arguments.output.string(),
+  const long unseen_joints = unseen - missing * lifted.joint_count();
+  LogInfo("{}: {} poses of {} in {}{}{}", arguments.output.string(),
           lifted.frames.size() - static_cast<std::size_t>(missing),
           input.view.name.empty() ? arguments.input.string() : input.view.name, UnitsInFile(lifted),
-          missing > 0 ? fmt::format("; {} frames without a usable 2D pose are left empty", missing) : "");
+          missing > 0 ? fmt::format("; {} frames without a usable 2D pose are left empty", missing) : "",
+          unseen_joints > 0 ? fmt::format("; {} joints were not seen and are {}", unseen_joints,
+                                          arguments.fill ? "guesses with confidence 0" : "left empty")
+                            : "");
 }
 
 }  // namespace
@@ -145,7 +167,10 @@ void AddLiftCommand(CLI::App& app) {
   command->add_option("--height", arguments->height_m, "The person's height in metres, for output in millimetres");
   command->add_option(
       "--smooth", arguments->smooth_frames,
-      "Smooth a video's poses over this many frames, such as 9 at 30 frames per second (default: none)");
+      "Smooth a video's poses over this many frames, an odd number such as 9 at 30 frames per second (default: none)");
+  command->add_flag(
+      "--fill", arguments->fill,
+      "Write the network's guess for joints that the view does not show, with confidence 0 (default: NaN)");
   command->add_option("--person", arguments->person, "Whom to follow in a detector's files: 1 is the most prominent")
       ->check(CLI::PositiveNumber);
   command->add_option("--format", arguments->format,

@@ -69,6 +69,14 @@ inline Outcome Execute(const std::vector<std::string>& arguments) {
   return outcome;
 }
 
+/// Whether training came to its end and wrote its model. The poses of a network that was trained so briefly cannot be
+/// believed, and the program says so by exit code 4.
+inline bool HasTrained(const Outcome& outcome) {
+  return outcome.exit_code == 0 ||
+         (outcome.exit_code == 4 &&
+          outcome.message().find("is written, but its 3D poses cannot be believed: ") != std::string::npos);
+}
+
 /// Exit code 3 and one line of the form "error: FILE: ...".
 inline void ExpectBadInput(const std::vector<std::string>& arguments, const ::testing::Matcher<std::string>& matcher) {
   const Outcome outcome = Execute(arguments);

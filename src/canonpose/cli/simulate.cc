@@ -133,6 +133,7 @@ void RunSimulate(const SimulateArguments& arguments) {
   if (arguments.threads < 0) {
     throw Error(ErrorKind::kBadInput, fmt::format("--threads: expected 0 or more, found {}", arguments.threads));
   }
+  if (!arguments.output.empty()) RequireDatasetName(arguments.output);
   const Simulator simulator(ResolveOptions(arguments));
   std::optional<DatasetWriter> writer;
   if (!arguments.output.empty()) writer.emplace(arguments.output, simulator.skeleton(), simulator.source());

@@ -28,6 +28,11 @@ struct SolveArguments {
 
 void RunSolve(const SolveArguments& arguments) {
   arguments.options.Validate();
+  RequireDatasetName(arguments.output);
+  for (const fs::path& output : {arguments.output, arguments.json}) {
+    RequireOutputIsNotAnInput(output, {arguments.data, arguments.bootstrap.model});
+  }
+  { const AtomicFile probe(arguments.output); }  // before minutes of work
   Dataset dataset = ReadDataset(arguments.data);
   if (!arguments.frames.empty()) KeepFrames(dataset, FrameRange::Parse(arguments.frames), arguments.data.string());
   BootstrapOptions bootstrap = arguments.bootstrap;

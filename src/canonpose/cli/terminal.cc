@@ -13,12 +13,18 @@ namespace {
 
 constexpr const char* kClearLine = "\r\033[K";
 
+/// "12.5/s", or "37 s each" where that would be 0.0/s.
+std::string DescribeSpeed(double per_second) {
+  if (per_second >= 0.1) return fmt::format("{:.1f}/s", per_second);
+  return FormatDuration(1.0 / per_second) + " each";
+}
+
 /// "LABEL done/total  DETAIL  speed  time left"
 std::string Describe(const ProgressState& state) {
   std::string line = fmt::format("{} {}/{}", state.label, state.done, state.total);
   if (!state.detail.empty()) line += "  " + state.detail;
   if (state.per_second > 0) {
-    line += fmt::format("  {:.1f}/s  {} left", state.per_second, FormatDuration(state.seconds_left));
+    line += fmt::format("  {}  {} left", DescribeSpeed(state.per_second), FormatDuration(state.seconds_left));
   }
   return line;
 }

@@ -57,6 +57,17 @@ TEST(Terminal, UpdatesALineInPlaceOnlyOnATerminal) {
   EXPECT_EQ(Lasting(said), "");
 }
 
+TEST(Terminal, SlowWorkIsGivenInSecondsForEachStep) {
+  const auto work = [] {
+    Terminal terminal({}, std::chrono::seconds(0));
+    Callbacks callbacks = terminal.MakeCallbacks();
+    callbacks.progress({"solve", 1, 4, "camera cam04", 1.0 / 37.0, 111.0, false});
+    callbacks.progress({"solve", 2, 4, "", 12.34, 1.0, false});
+  };
+  EXPECT_EQ(SaidTo(Output::kPipe, work),
+            "solve 1/4  camera cam04  37 s each  1 min 51 s left\nsolve 2/4  12.3/s  1 s left\n");
+}
+
 TEST(Terminal, SpellsMessages) {
   const auto work = [] {
     Terminal terminal([](const std::string& text) { return "<" + text + ">"; });

@@ -18,9 +18,9 @@ namespace canonpose::testing {
 enum class Output { kTerminal, kPipe };
 
 /// Everything that `action`, in a process of its own, writes to stdout and stderr, both of which are `output`. The
-/// process must succeed.
+/// process must end with `exit_code`.
 template <typename Action>
-std::string SaidTo(Output output, Action&& action) {
+std::string SaidTo(Output output, Action&& action, int exit_code = 0) {
   int end = -1;
   pid_t child = -1;
   if (output == Output::kTerminal) {
@@ -50,7 +50,7 @@ std::string SaidTo(Output output, Action&& action) {
   close(end);
   int status = -1;
   waitpid(child, &status, 0);
-  EXPECT_EQ(status, 0) << said;
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == exit_code) << status << said;
   return said;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
@@ -117,6 +118,10 @@ void RunTrain(const TrainArguments& arguments) {
   LogInfo("trained {} steps in {}{}{}; the model is {}", report.model.info.steps, FormatDuration(report.seconds),
           report.validation_loss ? fmt::format(", validation loss {:.4f}", *report.validation_loss) : "", perspective,
           (job.run_folder / "model.cpm").string());
+  const std::vector<std::string> doubts = DoubtsAbout(report.model.info);
+  if (doubts.empty()) return;
+  ThrowComputation("{} is written, but its 3D poses cannot be believed: {}; the warnings above say what to do",
+                   (job.run_folder / "model.cpm").string(), fmt::join(doubts, ", and "));
 }
 
 std::string TrainFooter() {

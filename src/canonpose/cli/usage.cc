@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "canonpose/base/decimal_comma.h"
 #include "canonpose/base/error.h"
 #include "canonpose/base/nearest_name.h"
 #include "canonpose/base/version.h"
@@ -48,6 +49,13 @@ std::optional<std::string> UnknownOption(const CLI::App& command) {
 const CLI::App& Given(const CLI::App& app) {
   const std::vector<CLI::App*> commands = app.get_subcommands();
   return commands.empty() ? app : *commands.front();
+}
+
+/// For "Could not convert: --height = 1,75".
+std::string HintAtValue(const CLI::ParseError& error) {
+  const std::string what = error.what();
+  const std::size_t space = what.find_last_of(' ');
+  return space == std::string::npos ? "" : HintAtDecimalComma(what.substr(space + 1));
 }
 
 nlohmann::json DescribeProgram() {
@@ -100,7 +108,7 @@ std::string DescribeMistake(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = Given(app);
   const std::string help = HelpOf(app, command);
   const std::optional<std::string> unknown = UnknownOption(command);
-  if (!unknown) return fmt::format("{} (see {})", error.what(), help);
+  if (!unknown) return fmt::format("{}{} (see {})", error.what(), HintAtValue(error), help);
   const std::string word = unknown->substr(std::min(unknown->find_first_not_of('-'), unknown->size()));
   const std::optional<std::string> nearest = NearestName(word, OptionNames(command));
   return fmt::format("{} has no option {}{} (see {})", command.get_name(), *unknown,

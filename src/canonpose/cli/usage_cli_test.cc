@@ -35,10 +35,10 @@ TEST(Usage, HelpAndVersionAreCommandsToo) {
   for (const std::string command :
        {"import", "simulate", "train", "train-morph", "evaluate", "solve", "lift", "info"}) {
     EXPECT_THAT(help.output, HasSubstr(command));
-    const Outcome help = Execute({"help", command});
-    EXPECT_EQ(help.exit_code, 0) << command << help.errors;
-    EXPECT_THAT(help.output, HasSubstr("canonpose " + command));
-    EXPECT_EQ(help.output, Execute({command, "--help"}).output);
+    const Outcome of_command = Execute({"help", command});
+    EXPECT_EQ(of_command.exit_code, 0) << command << of_command.errors;
+    EXPECT_THAT(of_command.output, HasSubstr("canonpose " + command));
+    EXPECT_EQ(of_command.output, Execute({command, "--help"}).output);
   }
   EXPECT_EQ(Execute({"help", "help"}).exit_code, 0);
 }
@@ -74,6 +74,16 @@ TEST(Usage, AnUnknownOptionIsNamedWithTheNearest) {
   ExpectMistake({"info", "data.h5", "--wholly-unlike"}, AllOf(HasSubstr("--wholly-unlike ("), Not(HasSubstr("mean"))));
   ExpectMistake({"--versoin"}, AllOf(HasSubstr("--versoin"), HasSubstr("did you mean --version?")));
   ExpectMistake({"info"}, AllOf(HasSubstr("file is required"), HasSubstr("canonpose help info")));
+}
+
+TEST(Usage, ADecimalCommaIsAnsweredByThePoint) {
+  ExpectMistake({"lift", "run", "data.h5", "-o", "x.npz", "--height", "1,75"},
+                AllOf(HasSubstr("--height"), HasSubstr("write 1.75, with a point")));
+  ExpectMistake({"simulate", "-o", "x.h5", "--seconds", "2,5"}, HasSubstr("write 2.5, with a point"));
+  ExpectMistake({"train", "data.h5", "-o", "run", "--set", "learning_rate=0,001"},
+                AllOf(HasSubstr("learning_rate"), HasSubstr("write 0.001, with a point")));
+  ExpectMistake({"train", "data.h5", "-o", "run", "--epochs", "0"},
+                AllOf(HasSubstr("--epochs"), HasSubstr("1 or more")));
 }
 
 TEST(Usage, OnlyCommandsThatInvolveChanceHaveASeed) {

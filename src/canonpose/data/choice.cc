@@ -81,6 +81,14 @@ void KeepCameras(Dataset& dataset, const std::string& choice, const std::string&
   std::erase_if(dataset.sequences, [](const Sequence& sequence) { return sequence.cameras.empty(); });
 }
 
+void RequireTwoCameras(const Dataset& dataset, const std::string& file) {
+  const auto has_two = [](const Sequence& sequence) { return sequence.cameras.size() >= 2; };
+  if (std::ranges::any_of(dataset.sequences, has_two)) return;
+  ThrowBadInput({file, "", "at least two cameras that filmed the person at the same time",
+                 fmt::format("one, {}", fmt::join(CameraNames(dataset), " or ")),
+                 "import the views of all cameras together (one camera is enough for `canonpose lift`)"});
+}
+
 void KeepSubjects(Dataset& dataset, const std::string& choice, const std::string& file) {
   const std::vector<std::string> chosen = SplitAtCommas(choice, "subjects are chosen by name (A,B)");
   std::set<std::string> known;

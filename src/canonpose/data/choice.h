@@ -21,4 +21,8 @@ void KeepCameras(Dataset& dataset, const std::string& choice, const std::string&
 /// such form, Error(kBadInput) that names `file` where a subject is missing.
 void KeepSubjects(Dataset& dataset, const std::string& choice, const std::string& file);
 
+/// Throws Error(kBadInput) that names `file` where no sequence was filmed by two cameras or more, which whatever learns
+/// from several views needs.
+void RequireTwoCameras(const Dataset& dataset, const std::string& file);
+
 }  // namespace canonpose

@@ -62,5 +62,13 @@ TEST(KeepSubjects, TakesNames) {
   EXPECT_EQ(dataset.sequences[0].subject, "S5");
 }
 
+TEST(RequireTwoCameras, OneCameraIsBadInput) {
+  Dataset dataset = TwoSequences();
+  RequireTwoCameras(dataset, "data.h5");
+  for (Sequence& sequence : dataset.sequences) sequence.cameras.resize(1);
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { RequireTwoCameras(dataset, "data.h5"); }),
+              ::testing::AllOf(HasSubstr("data.h5: expected at least two cameras"), HasSubstr("found one, left")));
+}
+
 }  // namespace
 }  // namespace canonpose

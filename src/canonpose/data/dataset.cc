@@ -105,10 +105,19 @@ FrameRange FrameRange::Parse(const std::string& text) {
   return {*first, *last};
 }
 
+void FrameRange::RequireLast(int frame_count, const std::string& file) const {
+  if (last == INT32_MAX || last < frame_count || first >= frame_count) return;
+  ThrowBadInput(
+      {file, "", fmt::format("frames up to {}, as `frames` says", last),
+       fmt::format("{} frames, the last of which is {}", frame_count, frame_count - 1),
+       fmt::format("give `frames={}-{}`, or `frames={}-` for all from there on", first, frame_count - 1, first)});
+}
+
 void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& file) {
   int longest = 0;
+  for (const Sequence& sequence : dataset.sequences) longest = std::max(longest, sequence.frame_count);
+  range.RequireLast(longest, file);
   for (Sequence& sequence : dataset.sequences) {
-    longest = std::max(longest, sequence.frame_count);
     const int last = std::min(range.last, sequence.frame_count - 1);
     if (range.first > last) {
       sequence.frame_count = 0;

@@ -72,6 +72,7 @@ struct DatasetSource {
   std::string layout;                ///< the detector's layout, "body_25b"
   double confidence_scale = 1.0;     ///< what confidences were divided by
   std::vector<std::string> mapping;  ///< (J) LayoutMapping::DescribeAll()
+  std::string morph{};               ///< the morphing network that the keypoints went through; empty: none
 };
 
 struct Dataset {
@@ -92,10 +93,12 @@ struct FrameRange {
   int last = INT32_MAX;
   /// Parses "A-B", "A-" or "A". Throws Error(kInvalidArgument).
   static FrameRange Parse(const std::string& text);
+  /// Throws Error(kBadInput) that names `file` where the range begins within `frame_count` frames and ends beyond them.
+  void RequireLast(int frame_count, const std::string& file) const;
 };
 
 /// Keeps only the frames of `range` in every sequence; sequences left without frames are removed. Throws
-/// Error(kBadInput) where no sequence remains.
+/// Error(kBadInput) where no sequence remains, or the range ends beyond the longest sequence.
 void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& file);
 
 /// Reads a dataset file of version 1 (layout in docs/dataset.md), whether written by this program or by others with
@@ -104,6 +107,10 @@ Dataset ReadDataset(const std::filesystem::path& path);
 
 /// Whether `path` is an HDF5 file that says it is a dataset.
 bool IsDatasetFile(const std::filesystem::path& path);
+
+/// Throws Error(kInvalidArgument) where the name of a dataset to be written says that it is another kind of file: it
+/// must end in .h5 or .hdf5, or have no extension. To be called before any work is done.
+void RequireDatasetName(const std::filesystem::path& path);
 
 /// Writes a dataset file sequence by sequence, so that a large one need not be in memory as a whole.
 class DatasetWriter {

@@ -9,6 +9,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/hdf5.h"
+#include "canonpose/base/names.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/scene/camera_file.h"
 #include "canonpose/scene/skeleton_file.h"
@@ -217,6 +218,7 @@ DatasetSource ReadSource(const h5::Group& root, const h5::Group& skeleton_group,
   DatasetSource source;
   if (root.HasAttribute("source_format")) source.format = root.GetString("source_format");
   if (root.HasAttribute("source_layout")) source.layout = root.GetString("source_layout");
+  if (root.HasAttribute("source_morph")) source.morph = root.GetString("source_morph");
   if (root.HasAttribute("confidence_scale")) source.confidence_scale = root.GetDouble("confidence_scale");
   if (!(source.confidence_scale > 0.0) || !std::isfinite(source.confidence_scale)) {
     root.Fail("attribute confidence_scale", "a positive number", fmt::format("{}", source.confidence_scale), "");
@@ -291,6 +293,13 @@ bool IsDatasetFile(const std::filesystem::path& path) {
   }
 }
 
+void RequireDatasetName(const std::filesystem::path& path) {
+  const std::string extension = LowerCase(path.extension().string());
+  if (extension.empty() || extension == ".h5" || extension == ".hdf5") return;
+  ThrowInvalidArgument("{}: a dataset is an HDF5 file; name it {}", path.string(),
+                       std::filesystem::path(path).replace_extension(".h5").filename().string());
+}
+
 struct DatasetWriter::State {
   std::filesystem::path path;
   Skeleton skeleton;
@@ -307,6 +316,7 @@ DatasetWriter::DatasetWriter(const std::filesystem::path& path, const Skeleton& 
   file.root().SetInt("version", kVersion);
   if (!source.format.empty()) file.root().SetString("source_format", source.format);
   if (!source.layout.empty()) file.root().SetString("source_layout", source.layout);
+  if (!source.morph.empty()) file.root().SetString("source_morph", source.morph);
   file.root().SetDouble("confidence_scale", source.confidence_scale);
   h5::Group skeleton_group = file.root().Create("skeleton");
   WriteSkeleton(skeleton_group, skeleton);

@@ -44,7 +44,7 @@ CameraView ViewOf(const std::string& name, int frames) {
 Dataset Sample() {
   Dataset dataset;
   dataset.skeleton = Stick();
-  dataset.source = {"openpose", "body_25b", 2.0, {"a", "b", "c"}};
+  dataset.source = {"openpose", "body_25b", 2.0, {"a", "b", "c"}, "the morphing network 12"};
   Sequence walk{"walk", "S1", 50.0, true, "room", 4, {ViewOf("c1", 4), ViewOf("c2", 4)}};
   walk.cameras[0].keypoints[2] = kNaN;
   walk.cameras[0].keypoints[3] = kNaN;
@@ -113,6 +113,7 @@ TEST(DatasetTest, RoundTripKeepsEverything) {
   EXPECT_EQ(read.source.layout, "body_25b");
   EXPECT_EQ(read.source.confidence_scale, 2.0);
   EXPECT_EQ(read.source.mapping, written.source.mapping);
+  EXPECT_EQ(read.source.morph, "the morphing network 12");
   ASSERT_EQ(read.sequences.size(), 2U);
   for (std::size_t s = 0; s < 2; ++s) {
     const Sequence& a = read.sequences[s];
@@ -285,6 +286,21 @@ TEST(DatasetTest, ActionsMustBeNamed) {
   WriteDataset(folder / "a.h5", dataset);
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadDataset(folder / "a.h5"); }),
               AllOf(HasSubstr("/sequences/walk/action"), HasSubstr("actions, which has 2, found 2")));
+}
+
+TEST(DatasetTest, FramesBeyondTheEndAreRefused) {
+  FrameRange::Parse("0-99").RequireLast(100, "a.h5");
+  FrameRange::Parse("50-").RequireLast(100, "a.h5");
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { FrameRange::Parse("10-500").RequireLast(100, "a.h5"); }),
+              AllOf(HasSubstr("a.h5: expected frames up to 500"), HasSubstr("`frames=10-99`")));
+}
+
+TEST(DatasetTest, NamesOfOtherKindsOfFilesAreRefused) {
+  for (const char* name : {"a.h5", "b/a.HDF5", "a", "take.1/a"}) RequireDatasetName(name);
+  for (const char* name : {"a.csv", "sol.json", "a.npz"}) {
+    EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { RequireDatasetName(name); }),
+                HasSubstr("HDF5 file; name it"));
+  }
 }
 
 TEST(DatasetTest, FrameRangesParse) {

@@ -13,6 +13,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
+#include "canonpose/data/calibration_check.h"
 #include "canonpose/data/layout_check.h"
 #include "canonpose/data/person_tracking.h"
 #include "canonpose/data/readers/calibration.h"
@@ -393,6 +394,7 @@ Dataset ImportDetections(const ImportOptions& options) {
     sequence.cameras.push_back(std::move(view));
   }
   dataset.sequences.push_back(std::move(sequence));
+  if (!options.calibration.empty()) CheckCalibration(dataset, options.calibration.string());
   dataset.sequences.front().capture = options.capture.empty()
                                           ? fmt::format("{}-{:08x}", options.name, dataset.Fingerprint() & 0xFFFFFFFFU)
                                           : options.capture;
@@ -421,6 +423,7 @@ SingleCamera ReadSingleCamera(const fs::path& path, const SingleCameraOptions& o
   SingleCamera single;
   single.view = MapClip(clips.front(), mapping, scale);
   single.view.image_size = options.image_size;
+  if (options.image_size[0] > 0) WarnOfKeypointsOutside(clips.front(), options.image_size);
   single.frame_numbers = clips.front().frame_numbers;
   single.skeleton = mapping.target;
   single.source = {std::string(format.name), layout.name, scale, mapping.DescribeAll()};

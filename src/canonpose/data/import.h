@@ -55,7 +55,7 @@ struct SingleCameraOptions {
   Skeleton skeleton;              ///< the skeleton to map to; without joints: keep the detector's
   std::string camera;             ///< the name of the camera to read; empty: the only one
   int person = 1;
-  std::array<int, 2> image_size{0, 0};  ///< copied to the view
+  std::array<int, 2> image_size{0, 0};  ///< of the view; 0: unknown. A warning says where keypoints contradict it
 };
 
 struct SingleCamera {

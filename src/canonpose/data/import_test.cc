@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/log.h"
@@ -416,6 +417,38 @@ TEST(ImportDetections, SurvivesTheDatasetFile) {
   EXPECT_EQ(read.sequences[0].capture, dataset.sequences[0].capture);
 }
 
+TEST(ImportDetections, ACalibrationThatCannotBeTrueIsNamed) {
+  CANONPOSE_SKIP_WITHOUT_SHARED("data/balancing");
+  const TemporaryFolder folder;
+  ImportOptions options;
+  options.format = "openpose";
+  options.paths = {Shared("data/balancing")};
+  options.image_size = {1088, 1920};
+  options.calibration = folder / "calibration.json";
+  const auto calibration = nlohmann::json::parse(ReadFile(Shared("data/balancing/calibration.json")));
+  const auto write = [&](const nlohmann::json& changed) { WriteFileAtomically(options.calibration, changed.dump()); };
+
+  auto interchanged = calibration;
+  std::swap(interchanged["cameras"]["cam02"], interchanged["cameras"]["cam04"]);
+  write(interchanged);
+  EXPECT_THAT(ImportError(options), AllOf(HasSubstr("calibration.json: calibration: "),
+                                          HasSubstr("cam02 and cam04 interchanged"), HasSubstr("px off")));
+
+  const auto scaled = [&](double factor) {
+    auto changed = calibration;
+    for (auto& camera : changed["cameras"]) {
+      for (auto& value : camera["t"]) value = factor * value.get<double>();
+    }
+    return changed;
+  };
+  for (const auto& [factor, unit] : {std::pair(0.001, "metres"), {0.1, "centimetres"}}) {
+    write(scaled(factor));
+    EXPECT_THAT(ImportLog(options), HasSubstr(std::string("calibration.json: the calibration's t is in ") + unit));
+  }
+  write(scaled(10.0));
+  EXPECT_THAT(ImportError(options), HasSubstr("one of 16."));
+}
+
 TEST(ImportDetections, ReadsTheRealRecording) {
   CANONPOSE_SKIP_WITHOUT_SHARED("data/balancing");
   ImportOptions options;
@@ -468,6 +501,20 @@ TEST(ReadSingleCamera, WithSeveralCamerasOneMustBeChosen) {
   options.camera.clear();
   const SingleCamera single = ReadSingleCamera(path / "cam1", options);
   EXPECT_EQ(single.skeleton.name, "body_25");
+}
+
+TEST(ReadSingleCamera, TheImageSizeIsCheckedAsInAnImport) {
+  const fs::path path = TestData("detections/openpose/cam1");
+  const auto said = [&](std::array<int, 2> size) {
+    const testing::CollectedMessages messages;
+    SingleCameraOptions options;
+    options.image_size = size;
+    EXPECT_EQ(ReadSingleCamera(path, options).view.image_size, size);
+    return messages.text();
+  };
+  EXPECT_THAT(said({640, 480}), Not(HasSubstr("warning")));
+  EXPECT_THAT(said({100, 200}), AllOf(HasSubstr("lie far outside an image of 100x200"), HasSubstr("`image_size`")));
+  EXPECT_THAT(said({0, 0}), Not(HasSubstr("warning")));
 }
 
 TEST(ReadSingleCamera, ANamedCameraMustExist) {

@@ -30,8 +30,9 @@ struct ArchiveOptions {
   FrameErrors* frame_errors = nullptr;  ///< filled if it is not null
 };
 
-/// Compares predictions in any unit with truth in mm, row by row, with the protocol all-frames. Throws Error(kBadInput)
-/// where the two do not match.
+/// Compares predictions in any unit with truth in mm, row by row, with the protocol all-frames. Truth in metres or
+/// centimetres is read as such, which is reported; a warning says where one rotation of all predictions makes them fit.
+/// Throws Error(kBadInput) where the two do not match.
 EvaluationReport EvaluateArchives(const std::filesystem::path& predictions, const std::filesystem::path& truth,
                                   const ArchiveOptions& options);
 

@@ -11,6 +11,8 @@ namespace canonpose {
 namespace {
 
 using ::testing::AllOf;
+using testing::CollectedMessages;
+using ::testing::Contains;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
 using testing::TemporaryFolder;
@@ -95,6 +97,32 @@ TEST(ArchivesTest, ArchivesThatDoNotMatchAreRefused) {
   flat.Add("pose3d", std::vector<float>(48, 1.0F), {1, 48});
   flat.Commit();
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadPoseArchive(folder / "flat.npz"); }), HasSubstr("(1, 48)"));
+}
+
+TEST(ArchivesTest, TruthInMetresIsReadAsSuch) {
+  const TemporaryFolder folder;
+  WritePoses(folder / "truth.npz", 0.001F, -1, {});
+  WritePoses(folder / "predicted.npz", 1.0F, 5, {});
+  const CollectedMessages messages;
+  const EvaluationReport report = EvaluateArchives(folder / "predicted.npz", folder / "truth.npz", {});
+  EXPECT_THAT(messages.text(), HasSubstr("truth.npz: the truth is in metres"));
+  EXPECT_GT(report.metrics.n_mpjpe_mm, 10.0);
+}
+
+TEST(ArchivesTest, PredictionsInAnotherFrameAreNamed) {
+  const TemporaryFolder folder;
+  WritePoses(folder / "truth.npz", 1.0F, -1, {});
+  PoseArchive poses = ReadPoseArchive(folder / "truth.npz");
+  for (std::size_t i = 0; i < poses.poses.size(); i += 3) {  // y up, and towards the camera
+    poses.poses[i] *= -1.0F;
+    poses.poses[i + 1] *= -1.0F;
+  }
+  NpzWriter writer(folder / "predicted.npz");
+  writer.Add("pose3d", poses.poses, {2, 16, 3});
+  writer.Commit();
+  EXPECT_THAT(EvaluateArchives(folder / "predicted.npz", folder / "truth.npz", {}).warnings,
+              Contains(HasSubstr("rotated by 180 degrees")));
+  EXPECT_THAT(EvaluateArchives(folder / "truth.npz", folder / "truth.npz", {}).warnings, ::testing::IsEmpty());
 }
 
 }  // namespace

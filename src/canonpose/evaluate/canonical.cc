@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "canonpose/base/error.h"
 #include "canonpose/skeleton/mapping.h"
 
 namespace canonpose {
@@ -62,8 +61,8 @@ void CanonicalSpread::EndFrame() {
   }
 }
 
-CanonicalReport CanonicalSpread::Finish() const {
-  if (poses_ == 0) ThrowComputation("`canonical`: every pose points away from its truth, so none has a scale");
+std::optional<CanonicalReport> CanonicalSpread::Finish() const {
+  if (poses_ == 0) return std::nullopt;
   CanonicalReport report;
   report.poses = poses_;
   report.left_out = left_out_;

@@ -46,8 +46,8 @@ class CanonicalSpread {
   /// Ends the frame to which views were added.
   void EndFrame();
 
-  /// Throws Error(kComputation) if no pose was added.
-  [[nodiscard]] CanonicalReport Finish() const;
+  /// Nothing if no pose could be used: every one points away from its truth.
+  [[nodiscard]] std::optional<CanonicalReport> Finish() const;
 
  private:
   /// Sums for the deviation of positions from their mean.

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/median.h"
 #include "canonpose/base/names.h"
 #include "canonpose/skeleton/mapping.h"
 
@@ -28,6 +29,34 @@ std::map<std::string, MeanErrors> MeanErrorsOf(const std::map<std::string, Metri
     errors[name] = {mean.n_mpjpe_mm, mean.p_mpjpe_mm};
   }
   return errors;
+}
+
+/// A joint whose error is so much larger than that of the others is probably another joint, or badly detected.
+constexpr double kOutstandingFactor = 5.0;
+constexpr double kSmallestOutstandingMm = 30.0;
+constexpr std::size_t kFewestJointsToCompare = 6;
+
+double MedianOver(const EvaluationReport& report, double MeanErrors::*error_mm) {
+  std::vector<double> errors_mm;
+  for (const auto& [name, errors] : report.per_joint) errors_mm.push_back(errors.*error_mm);
+  return Median(std::move(errors_mm));
+}
+
+void WarnOfOutstandingJoints(EvaluationReport& report) {
+  if (report.per_joint.size() < kFewestJointsToCompare) return;
+  // Alignment spreads the error of one joint over the others, centring does not; but centring adds a tilt of the body.
+  const double usual_n_mm = MedianOver(report, &MeanErrors::n_mpjpe_mm);
+  const double usual_p_mm = MedianOver(report, &MeanErrors::p_mpjpe_mm);
+  for (const auto& [name, errors] : report.per_joint) {
+    const bool is_worse_aligned = errors.p_mpjpe_mm / usual_p_mm > errors.n_mpjpe_mm / usual_n_mm;
+    const double error_mm = is_worse_aligned ? errors.p_mpjpe_mm : errors.n_mpjpe_mm;
+    const double usual_mm = is_worse_aligned ? usual_p_mm : usual_n_mm;
+    if (error_mm < std::max(kOutstandingFactor * usual_mm, kSmallestOutstandingMm)) continue;
+    report.warnings.push_back(fmt::format(
+        "{} is {:.0f} mm off, {:.0f} times as much as the joints' median of {:.0f} mm ({}): is it the same joint in "
+        "both, and is it detected? `exclude_joints={}` leaves it out",
+        name, error_mm, error_mm / usual_mm, usual_mm, is_worse_aligned ? "PMPJPE" : "N-MPJPE", name));
+  }
 }
 
 }  // namespace
@@ -169,6 +198,7 @@ EvaluationReport Evaluation::Finish(const ReferenceKind& reference, const std::s
     const MeanErrors& errors = report.metrics.joints[j];
     if (!std::isnan(errors.n_mpjpe_mm)) report.per_joint.emplace_back(names_[j], errors);
   }
+  WarnOfOutstandingJoints(report);
   return report;
 }
 

@@ -30,6 +30,24 @@ std::vector<float> OffBy(float mm) {
   return off;
 }
 
+TEST(EvaluationTest, AJointThatIsFarWorseThanTheOthersIsNamed) {
+  const std::vector<std::string> names = {"Hip", "RHip", "RKnee", "LHip", "LKnee", "Thorax", "Head", "LWrist"};
+  const std::vector<float> truth = {0,   0,   0,  -130, 0,    0,  -135, 440,  20, 130,  0,   0,
+                                    135, 440, 10, 0,    -490, 20, 0,    -690, 0,  -230, -30, -60};
+  const auto warnings = [&](float wrist_mm) {
+    std::vector<float> off = truth;
+    for (std::size_t i = 0; i < off.size(); ++i)
+      off[i] += static_cast<float>(i % 3) * 5.0F * (i % 2 == 0 ? 1.0F : -1.0F);
+    off[21] += wrist_mm;
+    Evaluation evaluation(names, 0, {});
+    evaluation.Add({"a"}, off.data(), truth.data());
+    return evaluation.Finish({"truth", {}}, "a.h5").warnings;
+  };
+  EXPECT_THAT(warnings(0.0F), IsEmpty());
+  EXPECT_THAT(warnings(300.0F), ElementsAre(AllOf(HasSubstr("LWrist is "), HasSubstr("times as much"),
+                                                  HasSubstr("`exclude_joints=LWrist`"))));
+}
+
 TEST(EvaluationTest, ActionsHaveEqualWeights) {
   Evaluation evaluation(kNames, 0, {}, ByAction());
   const std::vector<float> off = OffBy(40.0F);

@@ -21,6 +21,8 @@ Protocol HumanProtocol(const std::string& name, const std::string& summary, Head
   protocol.subjects = {"S9", "S11"};
   protocol.frame_step = 64;
   protocol.headline = headline;
+  protocol.benchmark = "Human3.6M";
+  protocol.formats = {"h36m", "canonpose-detections"};
   protocol.weighting = Weighting::kActions;
   protocol.merge_takes = true;
   return protocol;
@@ -31,6 +33,8 @@ Protocol InfProtocol() {
   protocol.name = "3dhp";
   protocol.summary = "MPI-INF-3DHP, for its test set: every frame with truth; PCK150 and AUC of 14 joints";
   protocol.headline = Headline::kPck;
+  protocol.benchmark = "MPI-INF-3DHP";
+  protocol.formats = {"3dhp-train", "3dhp-test"};
   protocol.truth_kind = "univ_annot3";
   protocol.pck.joints = {{"head_top", "headtop"}, {"neck", "thorax"}};
   for (const char* part : {"shoulder", "elbow", "wrist", "hip", "knee", "ankle"}) {
@@ -45,6 +49,8 @@ std::vector<Protocol> MakeProtocols() {
   all.summary = "every frame of every subject, with equal weights for all poses";
   Protocol ski;
   ski.name = "skipose";
+  ski.benchmark = "Ski-PosePTZ";
+  ski.formats = {"skipose"};
   ski.summary = "Ski-PosePTZ, for the rows of its test part";
   return {all,
           HumanProtocol("h36m-1", "Human3.6M, subjects S9 and S11, every 64th frame, mean over actions: N-MPJPE",

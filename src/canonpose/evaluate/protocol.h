@@ -57,6 +57,9 @@ struct Protocol {
   PckRule pck;
   Weighting weighting = Weighting::kPoses;
   bool merge_takes = false;  ///< "Walking 1" is the action "Walking"
+  std::string benchmark;     ///< whose protocol it is; empty: anybody's
+  /// The formats (DatasetSource::format) in which that benchmark's data are imported.
+  std::vector<std::string> formats;
   std::string truth_kind;    ///< the kind of truth for which it is defined ("univ_annot3"); empty: any
 };
 

@@ -1,5 +1,7 @@
 #include "canonpose/evaluate/report.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
@@ -51,6 +53,12 @@ double MirroredPercent(const EvaluationReport& report) {
   return 100.0 * static_cast<double>(report.mirrored) / static_cast<double>(report.metrics.poses);
 }
 
+/// A wrong reference may look like mirrored poses.
+std::string AdviceOnMirror(const EvaluationReport& report) {
+  if (report.reference_is_doubtful) return "\n  Look at the calibration first: it does not fit the keypoints.";
+  return report.mirror_advice.empty() ? "" : fmt::format("\n  Front and back are exchanged: {}.", report.mirror_advice);
+}
+
 /// What was compared with what, and what a reader should know about it.
 std::string Heading(const EvaluationReport& report) {
   std::string text = fmt::format("Protocol: {}\n", report.protocol);
@@ -69,12 +77,7 @@ std::string Heading(const EvaluationReport& report) {
                         fmt::join(report.rules.subjects, " and "));
   }
   text += fmt::format("\nMirrored in depth: {:.1f} % of the poses", MirroredPercent(report));
-  if (2 * report.mirrored > report.metrics.poses) {
-    text +=
-        "\n  Front and back are exchanged. Solved poses, and models of preset best, which learn from them: solve again "
-        "with `mirror=flip`, and train on the result. Models of presets paper, paper+c and plus: train again with "
-        "`mirror=flip`. If the mirror was flipped already, use `mirror=keep` instead.";
-  }
+  if (2 * report.mirrored > report.metrics.poses) text += AdviceOnMirror(report);
   text += fmt::format("\nDepth of the poses: {:.2f} times the truth's", report.depth_extent_ratio);
   if (report.cameras) {
     text += fmt::format(
@@ -104,7 +107,8 @@ std::string CanonicalTable(const CanonicalReport& canonical) {
       canonical.left_out > 0 ? fmt::format(" (except {} that point away from their truth)", canonical.left_out) : "",
       "", "all", "views", "frames");
   const auto row = [](const std::string& name, const CanonicalDeviations& joint) {
-    return fmt::format("  {:<24}{:>10.1f}{:>10.1f}{:>10.1f}\n", name, joint.std_mm, joint.views_mm, joint.frames_mm);
+    const std::string views = std::isnan(joint.views_mm) ? "one view" : fmt::format("{:.1f}", joint.views_mm);
+    return fmt::format("  {:<24}{:>10.1f}{:>10}{:>10.1f}\n", name, joint.std_mm, views, joint.frames_mm);
   };
   text += row("mean over joints", canonical.all);
   for (const auto& [name, joint] : canonical.per_joint) text += row(name, joint);

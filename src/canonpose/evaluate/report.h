@@ -31,6 +31,8 @@ struct EvaluationReport {
   std::string protocol;  ///< in words
   Protocol rules;
   ReferenceKind reference;
+  bool reference_is_doubtful = false;        ///< the calibration that it was triangulated from does not fit
+  std::string mirror_advice;                 ///< what to do if most poses are mirrored; empty if nothing can be said
   std::string truth_kind;                    ///< the data's name for it ("annot3"); empty if there is none
   std::vector<std::string> warnings;         ///< what differs from the protocol, one sentence each
   std::int64_t left_out_sequences = 0;       ///< sequences of subjects that the protocol does not evaluate

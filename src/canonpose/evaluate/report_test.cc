@@ -63,6 +63,16 @@ TEST(ReportTest, TableStatesProtocolAndTheReferencesOwnError) {
   EXPECT_THAT(ReportAsTable(Sample({"truth", {}})), Not(HasSubstr("reprojection")));
 }
 
+TEST(ReportTest, AdviceOnMirroredPosesComesAfterADoubtfulReference) {
+  EvaluationReport report = Sample({"truth", {}});
+  report.mirror_advice = "train again with `mirror` flip";
+  EXPECT_THAT(ReportAsTable(report), Not(HasSubstr("train again")));
+  report.mirrored = report.metrics.poses;
+  EXPECT_THAT(ReportAsTable(report), HasSubstr("Front and back are exchanged: train again with `mirror` flip."));
+  report.reference_is_doubtful = true;
+  EXPECT_THAT(ReportAsTable(report), AllOf(HasSubstr("Look at the calibration first"), Not(HasSubstr("train again"))));
+}
+
 TEST(ReportTest, JointsAreLeftOutByName) {
   Evaluation evaluation(kNames, 0, {"a"});
   std::vector<float> off = kTruth;

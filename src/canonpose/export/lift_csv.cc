@@ -28,17 +28,23 @@ void WriteLiftCsv(const std::filesystem::path& path, const LiftedPoses& poses) {
   for (const std::string& joint : poses.skeleton().joints) {
     for (const char axis : {'x', 'y', 'z'}) text += ',' + Cell(fmt::format("{}_{} [{}]", joint, axis, units));
   }
+  for (const std::string& joint : poses.skeleton().joints) text += ',' + Cell(joint + "_confidence");
+  for (const std::string& joint : poses.skeleton().joints) text += ',' + Cell(fmt::format("{}_sd [{}]", joint, units));
   text += '\n';
-  const std::size_t row = 3 * poses.skeleton().joints.size();
+  const std::size_t joints = poses.skeleton().joints.size();
   const auto out = std::back_inserter(text);
+  const auto append_row = [&](const std::vector<float>& values, std::size_t frame, std::size_t row) {
+    for (std::size_t i = frame * row; i < (frame + 1) * row; ++i) {
+      text += ',';
+      if (std::isfinite(values[i])) fmt::format_to(out, "{}", values[i]);
+    }
+  };
   for (std::size_t t = 0; t < poses.frames.size(); ++t) {
     fmt::format_to(out, "{}", poses.frames[t]);
     if (has_time) fmt::format_to(out, ",{:.6f}", static_cast<double>(poses.frames[t]) / fps);
-    for (std::size_t i = 0; i < row; ++i) {
-      const float value = poses.pose_in_camera.positions()[t * row + i];
-      text += ',';
-      if (std::isfinite(value)) fmt::format_to(out, "{}", value);
-    }
+    append_row(poses.pose_in_camera.positions(), t, 3 * joints);
+    append_row(poses.pose_in_camera.confidence(), t, joints);
+    append_row(poses.pose_in_camera.standard_deviation(), t, joints);
     text += '\n';
   }
   WriteFileAtomically(path, text);

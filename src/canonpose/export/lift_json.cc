@@ -36,6 +36,23 @@ void AppendArray(std::string& text, const std::string& key, const std::vector<fl
   text += "\n  ]";
 }
 
+/// (T, J) likewise.
+void AppendTable(std::string& text, const std::string& key, const std::vector<float>& values, std::size_t frames,
+                 std::size_t columns) {
+  text += fmt::format("  \"{}\": [", key);
+  const auto out = std::back_inserter(text);
+  for (std::size_t i = 0; i < frames * columns; ++i) {
+    if (i % columns == 0) text += i == 0 ? "\n    [" : "],\n    [";
+    if (i % columns != 0) text += ", ";
+    if (std::isfinite(values[i])) {
+      fmt::format_to(out, "{}", values[i]);
+    } else {
+      text += "null";
+    }
+  }
+  text += frames > 0 ? "]\n  ]" : "\n  ]";
+}
+
 }  // namespace
 
 void WriteLiftJson(const std::filesystem::path& path, const LiftedPoses& poses) {
@@ -50,6 +67,10 @@ void WriteLiftJson(const std::filesystem::path& path, const LiftedPoses& poses) 
   text += fmt::format("  \"joints\": {},\n", dump(poses.skeleton().joints));
   text += fmt::format("  \"frames\": {},\n", dump(poses.frames));
   AppendArray(text, "pose3d", poses.pose_in_camera.positions(), frames, joints);
+  text += ",\n";
+  AppendTable(text, "confidence", poses.pose_in_camera.confidence(), frames, joints);
+  text += ",\n";
+  AppendTable(text, "standard_deviation", poses.pose_in_camera.standard_deviation(), frames, joints);
   text += ",\n";
   AppendArray(text, "canonical", poses.canonical.positions(), frames, joints);
   text += ",\n";

@@ -8,6 +8,8 @@ void WriteLiftNpz(const std::filesystem::path& path, const LiftedPoses& poses) {
   const std::size_t joints = poses.skeleton().joints.size();
   NpzWriter writer(path);
   writer.Add("pose3d", poses.pose_in_camera.positions(), {frames, joints, 3});
+  writer.Add("confidence", poses.pose_in_camera.confidence(), {frames, joints});
+  writer.Add("standard_deviation", poses.pose_in_camera.standard_deviation(), {frames, joints});
   writer.Add("canonical", poses.canonical.positions(), {frames, joints, 3});
   writer.Add("rotation", poses.rotation, {frames, 3, 3});
   writer.AddStrings("joints", poses.skeleton().joints);

@@ -18,12 +18,13 @@ void RequireLiftFormat(const std::filesystem::path& path);
 /// The unit of the poses, as the files say it: "mm", "body lengths", or "network units" where each pose has its own.
 std::string UnitsInFile(const LiftedPoses& poses);
 
-/// Arrays pose3d (pose_in_camera), canonical, rotation, joints, frames, and units as text; fps where that of
-/// pose_in_camera is known.
+/// Arrays pose3d (pose_in_camera), confidence (T, J), standard_deviation (T, J), canonical, rotation, joints, frames,
+/// and units as text; fps where that of pose_in_camera is known.
 void WriteLiftNpz(const std::filesystem::path& path, const LiftedPoses& poses);
 
 /// One row per frame: frame, time in seconds if fps is known, then x, y and z of every joint of pose3d with the unit in
-/// the header, "LKnee_x [mm]". NaN is written as an empty cell.
+/// the header, "LKnee_x [mm]", then "LKnee_confidence" of every joint, and then its standard deviation, "LKnee_sd
+/// [mm]". NaN is written as an empty cell.
 void WriteLiftCsv(const std::filesystem::path& path, const LiftedPoses& poses);
 
 /// One object with the keys of the archive and nested arrays, null for NaN.

@@ -25,6 +25,7 @@ LiftedPoses Sample() {
   poses.canonical.positions() = {0, 0, 0, 1, 2, 3, NAN, NAN, NAN, NAN, NAN, NAN};
   poses.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
   poses.frames = {10, 11};
+  poses.pose_in_camera.confidence() = {1.0F, 0.25F, 0.0F, 0.0F};
   poses.pose_in_camera.unit = poses.canonical.unit = LengthUnit::kMillimetres;
   return poses;
 }
@@ -33,10 +34,15 @@ TEST(LiftOutputTest, Npz) {
   const TemporaryFolder folder;
   WriteLiftOutput(folder / "a.npz", Sample());
   const NpzReader reader(folder / "a.npz");
-  EXPECT_THAT(reader.names(), ElementsAre("pose3d", "canonical", "rotation", "joints", "frames", "units"));
+  EXPECT_THAT(reader.names(), ElementsAre("pose3d", "confidence", "standard_deviation", "canonical", "rotation",
+                                          "joints", "frames", "units"));
   std::vector<std::size_t> shape;
   EXPECT_EQ(reader.ReadFloats("pose3d", &shape)[4], -250.5F);
   EXPECT_THAT(shape, ElementsAre(2, 2, 3));
+  EXPECT_THAT(reader.ReadFloats("confidence", &shape), ElementsAre(1.0F, 0.25F, 0.0F, 0.0F));
+  EXPECT_THAT(shape, ElementsAre(2, 2));
+  EXPECT_TRUE(std::isnan(reader.ReadFloats("standard_deviation", &shape)[0])) << "unknown so far";
+  EXPECT_THAT(shape, ElementsAre(2, 2));
   (void)reader.ReadFloats("rotation", &shape);
   EXPECT_THAT(shape, ElementsAre(2, 3, 3));
   EXPECT_THAT(reader.ReadStrings("units"), ElementsAre("mm"));
@@ -48,9 +54,10 @@ TEST(LiftOutputTest, Csv) {
   WriteLiftOutput(folder / "a.csv", poses);
   EXPECT_EQ(ReadFile(folder / "a.csv"),
             "frame,Hip_x [mm],Hip_y [mm],Hip_z [mm],\"Neck, \"\"upper\"\"_x [mm]\",\"Neck, \"\"upper\"\"_y [mm]\","
-            "\"Neck, \"\"upper\"\"_z [mm]\"\n"
-            "10,0,0,0,0.1,-250.5,1e-07\n"
-            "11,,,,,,\n");
+            "\"Neck, \"\"upper\"\"_z [mm]\",Hip_confidence,\"Neck, \"\"upper\"\"_confidence\",Hip_sd [mm],"
+            "\"Neck, \"\"upper\"\"_sd [mm]\"\n"
+            "10,0,0,0,0.1,-250.5,1e-07,1,0.25,,\n"
+            "11,,,,,,,0,0,,\n");
   poses.pose_in_camera.fps = 50.0;
   WriteLiftOutput(folder / "a.csv", poses);
   EXPECT_THAT(ReadFile(folder / "a.csv"), HasSubstr("\n10,0.200000,0,"));
@@ -70,6 +77,8 @@ TEST(LiftOutputTest, Json) {
   EXPECT_EQ(json["frames"], (std::vector<int>{10, 11}));
   EXPECT_EQ(json["pose3d"].size(), 2U);
   EXPECT_TRUE(json["pose3d"][1][0][2].is_null());
+  EXPECT_EQ(json["confidence"], (nlohmann::json{{1.0, 0.25}, {0.0, 0.0}}));
+  EXPECT_TRUE(json["standard_deviation"][1][0].is_null());
   EXPECT_EQ(json["canonical"][0][1][2], 3.0);
   EXPECT_EQ(json["rotation"][0][2][2], 1.0);
 }
@@ -78,8 +87,11 @@ TEST(LiftOutputTest, NoFramesStillMakeAFile) {
   const TemporaryFolder folder;
   const LiftedPoses poses({"", {"Hip"}, {-1}, 0, {0}}, 0, "cam");
   for (const char* name : {"a.npz", "a.csv", "a.json"}) WriteLiftOutput(folder / name, poses);
-  EXPECT_EQ(ReadFile(folder / "a.csv"), "frame,Hip_x [network units],Hip_y [network units],Hip_z [network units]\n");
+  EXPECT_EQ(ReadFile(folder / "a.csv"),
+            "frame,Hip_x [network units],Hip_y [network units],Hip_z [network units],"
+            "Hip_confidence,Hip_sd [network units]\n");
   EXPECT_TRUE(nlohmann::json::parse(ReadFile(folder / "a.json"))["pose3d"].empty());
+  EXPECT_TRUE(nlohmann::json::parse(ReadFile(folder / "a.json"))["confidence"].empty());
 }
 
 TEST(LiftOutputTest, OtherExtensionsAreAUsageError) {

@@ -49,6 +49,12 @@ PoseLifter PoseLifter::Of(ModelFile model, const std::string& name, const std::s
       std::make_unique<State>(State{std::move(model.info), torch_device, std::move(network), std::move(morph)}));
 }
 
+void PoseLifter::RequireImageSize(const CameraView& view, const std::string& file) const {
+  if (!PoseInput(info().input, skeleton()).LacksCamera(view)) return;
+  ThrowBadInput({file, "", "the image size, which this model needs: it corrects for the direction a person is seen in",
+                 "none in the file", "give `image_size` WxH"});
+}
+
 void PoseLifter::RequireSkeleton(const Skeleton& other, const std::string& file) const {
   if (skeleton().SameJoints(other)) return;
   ThrowBadInput(
@@ -144,8 +150,10 @@ LiftedPoses PoseLifter::LiftMorphed(const CameraView& view, int frame_count) con
     if (batch.size() == kChunk) batch.Lift(*state_->network, skeleton().root, state_->device, lifted);
   }
   batch.Lift(*state_->network, skeleton().root, state_->device, lifted);
-  lifted.pose_in_camera.TrustKnownJoints();
-  lifted.canonical.TrustKnownJoints();
+  for (std::size_t i = 0; i < frames * joints; ++i) {
+    if (!std::isfinite(lifted.rotation[9 * (i / joints)])) continue;
+    lifted.pose_in_camera.confidence()[i] = lifted.canonical.confidence()[i] = view.confidence[i];
+  }
   return lifted;
 }
 

@@ -26,8 +26,12 @@ class PoseLifter {
 
   /// Lifts the T frames of a view. Its joints are those of skeleton(), as detected: a morphing network that the model
   /// was trained with is applied here. Frames whose 2D pose cannot be normalised (geometry/normalisation.h) stay
-  /// missing. Frames are numbered from 0.
+  /// missing. Joints that are not detected are the network's guess, with confidence 0. Frames are numbered from 0.
   [[nodiscard]] LiftedPoses Lift(const CameraView& view, int frame_count) const;
+
+  /// Throws Error(kBadInput) naming `file` where this model needs the image size (or a calibration) and the view has
+  /// none: poses away from the image centre would be tilted. Lift() only warns of it.
+  void RequireImageSize(const CameraView& view, const std::string& file) const;
 
   /// Throws Error(kBadInput) naming `file` where data of `other` cannot be lifted by this model.
   void RequireSkeleton(const Skeleton& other, const std::string& file) const;
@@ -46,13 +50,20 @@ class PoseLifter {
 /// Human Movement). Throws Error(kBadInput) where the skeleton has no such path.
 void ScaleToHeight(LiftedPoses& poses, double height_mm);
 
+/// Throws Error(kInvalidArgument) where `height_m` is nobody's stature in metres.
+void RequireHeight(double height_m);
+
 /// The smallest window of Smooth(), in frames.
 inline constexpr int kMinSmoothing = 5;
 
+/// Throws Error(kInvalidArgument) where Smooth() cannot take the window: it must be odd, so that there are as many
+/// frames before as after the one in its middle, at least kMinSmoothing, and no longer than the clip.
+void RequireSmoothing(int window_frames, int frame_count);
+
 /// Smooths poses over time (Savitzky and Golay 1964): for every frame and coordinate, a quadratic is fitted to
 /// `window_frames` frames around it, fewer at gaps (in LiftedPoses::frames) and ends, and evaluated at the frame.
-/// Canonical poses follow, rotations stay. Frames that are NaN stay NaN and take no part; frames with too few others
-/// around them keep their poses.
+/// Canonical poses follow, rotations stay. Joints that are NaN stay NaN and take no part; those with too few others
+/// around them keep their positions.
 void Smooth(LiftedPoses& poses, int window_frames);
 
 }  // namespace canonpose

@@ -125,7 +125,46 @@ TEST(PoseLifter, FramesWithoutAPersonStayMissing) {
   EXPECT_TRUE(std::isnan(lifted.rotation[2 * 9]));
   EXPECT_FALSE(std::isnan(lifted.pose_in_camera.positions()[3 * kJoints * 3]));
   EXPECT_EQ(lifted.pose_in_camera.confidence()[2 * kJoints], 0.0F);
-  EXPECT_EQ(lifted.canonical.confidence()[3 * kJoints], 1.0F);
+  EXPECT_EQ(lifted.canonical.confidence()[3 * kJoints], view.confidence[3 * kJoints]);
+}
+
+TEST(PoseLifter, AJointThatTheViewDoesNotShowIsAGuessUntilItIsHidden) {
+  const TemporaryFolder folder;
+  const PoseLifter lifter = PoseLifter::Open(WriteModel(folder));
+  CameraView view = RandomView(6);
+  constexpr std::size_t kHidden = 1 * kJoints + 13;
+  view.confidence[kHidden] = 0.0F;
+  view.keypoints[2 * kHidden] = view.keypoints[2 * kHidden + 1] = NAN;
+  LiftedPoses lifted = lifter.Lift(view, kFrames);
+  EXPECT_TRUE(lifted.pose_in_camera.IsKnown(1, 13));
+  EXPECT_EQ(lifted.pose_in_camera.confidence()[kHidden], 0.0F);
+  EXPECT_EQ(lifted.pose_in_camera.confidence()[kHidden - 1], view.confidence[kHidden - 1]);
+  lifted.HideUnseenJoints();
+  EXPECT_FALSE(lifted.pose_in_camera.IsKnown(1, 13));
+  EXPECT_FALSE(lifted.canonical.IsKnown(1, 13));
+  EXPECT_TRUE(lifted.pose_in_camera.IsKnown(1, 12));
+  EXPECT_TRUE(lifted.pose_in_camera.IsKnown(2, 13));
+}
+
+TEST(PoseLifter, AModelThatNeedsTheImageSizeAsksForIt) {
+  const TemporaryFolder folder;
+  const PoseLifter lifter = PoseLifter::Open(WriteModel(folder, {RayForm::kRoot, FocalSource::kGuess}));
+  CameraView view = RandomView(7);
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { lifter.RequireImageSize(view, "keypoints"); }),
+              AllOf(HasSubstr("keypoints: expected the image size"), HasSubstr("`image_size`")));
+  view.image_size = {1000, 1000};
+  lifter.RequireImageSize(view, "keypoints");
+}
+
+TEST(ScaleToHeight, TakesAStatureInMetres) {
+  RequireHeight(1.75);
+  for (const auto& [height, advice] :
+       {std::pair(175.0, "centimetres, give 1.75"), {1750.0, "millimetres, give 1.75"}}) {
+    EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { RequireHeight(height); }),
+                AllOf(HasSubstr("`height`: expected the person's height in metres"), HasSubstr(advice)));
+  }
+  ErrorOf(ErrorKind::kInvalidArgument, [] { RequireHeight(-1.0); });
+  ErrorOf(ErrorKind::kInvalidArgument, [] { RequireHeight(NAN); });
 }
 
 TEST(PoseLifter, SaysWhatItsCoordinatesMean) {

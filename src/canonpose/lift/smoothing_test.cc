@@ -2,9 +2,11 @@
 #include <vector>
 
 #include <Eigen/Geometry>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "canonpose/base/random.h"
+#include "canonpose/base/testing.h"
 #include "canonpose/lift/lifter.h"
 
 namespace canonpose {
@@ -13,6 +15,8 @@ namespace {
 constexpr int kFrames = 60;
 constexpr int kJoints = 3;
 
+using testing::ErrorOf;
+using ::testing::HasSubstr;
 using Rotation = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
 
 float Quadratic(int frame, std::size_t value) {
@@ -68,6 +72,31 @@ TEST(Smooth, CanonicalPosesFollow) {
     const Rotation rotation(&poses.rotation[9 * static_cast<std::size_t>(t)]);
     EXPECT_LT((poses.canonical.PoseAt(t) * rotation.transpose() - poses.pose_in_camera.PoseAt(t)).norm(), 1e-5);
   }
+}
+
+TEST(Smooth, AJointThatIsMissingTakesNoPart) {
+  LiftedPoses poses = Moving(0.05);
+  for (int t = 10; t < 40; t += 3) poses.pose_in_camera.PoseAt(t).row(2).setConstant(std::nanf(""));
+  LiftedPoses whole = Moving(0.05);
+  Smooth(poses, 9);
+  Smooth(whole, 9);
+  EXPECT_TRUE(poses.pose_in_camera.PoseAt(13).row(2).array().isNaN().all());
+  EXPECT_TRUE(poses.canonical.PoseAt(13).row(2).array().isNaN().all());
+  EXPECT_TRUE(poses.pose_in_camera.PoseAt(14).allFinite());
+  EXPECT_TRUE(poses.canonical.PoseAt(14).allFinite());
+  EXPECT_EQ(poses.pose_in_camera.PoseAt(13).row(1), whole.pose_in_camera.PoseAt(13).row(1));
+}
+
+TEST(Smooth, WindowsMustBeOddAndFitTheClip) {
+  RequireSmoothing(9, 100);
+  RequireSmoothing(5, 5);
+  const auto refusal = [](int window, int frames) {
+    return ErrorOf(ErrorKind::kInvalidArgument, [&] { RequireSmoothing(window, frames); });
+  };
+  EXPECT_THAT(refusal(8, 100),
+              HasSubstr("`smooth`: expected an odd number of frames, 5 or more, found 8; give 7 or 9"));
+  EXPECT_THAT(refusal(3, 100), HasSubstr("5 or more"));
+  EXPECT_THAT(refusal(101, 100), HasSubstr("no more than the 100 frames of the clip"));
 }
 
 TEST(Smooth, GapsAreNotBridgedAndLoneFramesKeepTheirPose) {

@@ -65,6 +65,19 @@ void ReadEnum(const h5::Group& root, const char* name, Enum& value) {
 
 }  // namespace
 
+std::vector<std::string> DoubtsAbout(const ModelInfo& info) {
+  std::vector<std::string> doubts;
+  if (info.trap.verdict == "trapped") {
+    doubts.push_back(fmt::format(
+        "training ended in a degenerate solution with wrong depths (poses are {:.2f} times as deep as wide)",
+        info.trap.depth_ratio));
+  }
+  if (info.mirror.decision == "undecided") {
+    doubts.emplace_back("training could not decide which way round depth is, so that front and back may be exchanged");
+  }
+  return doubts;
+}
+
 void WriteModelInfo(h5::Group& root, const ModelInfo& info) {
   root.SetString("program_version", info.program_version);
   root.SetInt("width", info.width);
@@ -98,6 +111,7 @@ void WriteModelInfo(h5::Group& root, const ModelInfo& info) {
   source.SetString("layout", info.source.layout);
   source.SetDouble("confidence_scale", info.source.confidence_scale);
   source.SetStrings("mapping", info.source.mapping);
+  if (!info.source.morph.empty()) source.SetString("morph", info.source.morph);
   h5::Group data = root.Create("data");
   data.SetStrings("files", info.data_files);
   data.SetStrings("fingerprints", info.data_fingerprints);
@@ -140,6 +154,7 @@ ModelInfo ReadModelInfo(const h5::Group& root) {
   info.source.layout = source.GetString("layout");
   info.source.confidence_scale = source.GetDouble("confidence_scale");
   info.source.mapping = source.GetStrings("mapping");
+  if (source.HasAttribute("morph")) info.source.morph = source.GetString("morph");
   const h5::Group data = root.Open("data");
   info.data_files = data.GetStrings("files");
   info.data_fingerprints = data.GetStrings("fingerprints");

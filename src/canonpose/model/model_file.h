@@ -11,7 +11,8 @@
 //                in all versions, where the trap was looked for:
 //                  trap_verdict, trap_depth_ratio, trap_angle_deg, trap_scatter_deg
 //   /skeleton    as in a dataset file
-//   /source      attributes format, layout, confidence_scale, mapping: the kind of keypoint file it was trained on
+//   /source      attributes format, layout, confidence_scale, mapping: the kind of keypoint file it was trained on;
+//                morph: the morphing network that the keypoints went through before training, where there was one
 //   /data        attributes files, fingerprints: what it was trained on
 //   /morph       in version 3, where the lifter needs a morphing network: the network's own attributes, groups and
 //                parameters, laid out like the file
@@ -81,6 +82,10 @@ struct ModelFile {
   ModelInfo info;
   NamedArrays parameters;
 };
+
+/// Why the poses of a model cannot be believed, one sentence each: training ended in the trap, or could not decide the
+/// mirror. Empty for most models.
+std::vector<std::string> DoubtsAbout(const ModelInfo& info);
 
 /// Writes atomically; the same model gives the same bits. The version is the first that can hold the model, so that
 /// earlier programs can read it. Throws Error(kBadInput).

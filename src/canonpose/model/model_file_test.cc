@@ -19,7 +19,7 @@ ModelFile Example() {
   ModelFile model;
   model.info.program_version = "1.2.3";
   model.info.skeleton = *FindSkeleton("h36m-17");
-  model.info.source = {"openpose", "body_25b", 1.5, {"a", "b"}};
+  model.info.source = {"openpose", "body_25b", 1.5, {"a", "b"}, "the morphing network 12"};
   model.info.width = 16;
   model.info.preset = "plus";
   model.info.options = R"({"width": 16})";
@@ -47,6 +47,7 @@ TEST(ModelFile, RoundTripKeepsEverything) {
   EXPECT_TRUE(read.info.skeleton.SameJoints(model.info.skeleton));
   EXPECT_EQ(read.info.source.mapping, model.info.source.mapping);
   EXPECT_EQ(read.info.source.confidence_scale, 1.5);
+  EXPECT_EQ(read.info.source.morph, "the morphing network 12");
   EXPECT_EQ(read.info.options, model.info.options);
   EXPECT_EQ(read.info.steps, 1234);
   EXPECT_EQ(read.info.mirror.decision, "flipped");
@@ -103,6 +104,17 @@ TEST(ModelFile, OfBeforeTrapsWereLookedForIsReadable) {
   WriteModelFile(folder / "model.cpm", model);
   EXPECT_EQ(h5::File::OpenForReading(folder / "model.cpm").root().HasAttribute("trap_verdict"), false);
   EXPECT_EQ(ReadModelFile(folder / "model.cpm").info.trap.verdict, "");
+}
+
+TEST(ModelFile, DoubtsAreOfTrapAndMirror) {
+  ModelInfo info;
+  info.mirror.decision = "kept";
+  info.trap.verdict = "suspicious";
+  EXPECT_TRUE(DoubtsAbout(info).empty());
+  info.mirror.decision = "undecided";
+  EXPECT_THAT(DoubtsAbout(info), ::testing::ElementsAre(HasSubstr("which way round depth is")));
+  info.trap = {"trapped", 1.93, 34.0, 34.0};
+  EXPECT_THAT(DoubtsAbout(info), ::testing::ElementsAre(HasSubstr("1.93 times as deep"), HasSubstr("depth is")));
 }
 
 TEST(ModelFile, SameModelSameBits) {

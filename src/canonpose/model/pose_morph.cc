@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/hash.h"
 #include "canonpose/geometry/normalisation.h"
 #include "canonpose/model/morph.h"
 #include "canonpose/model/runtime.h"
@@ -87,6 +88,15 @@ void PoseMorph::Apply(CameraView& view, int frame_count) const {
   move_chunk();
 }
 
+std::string PoseMorph::Describe() const {
+  Fingerprint fingerprint;
+  for (const auto& [name, array] : state_->model->parameters) {
+    fingerprint.Add(name);
+    fingerprint.Add(array.values.data(), array.values.size() * sizeof(float));
+  }
+  return fmt::format("the morphing network {:016x} of width {}", fingerprint.value(), state_->model->info.width);
+}
+
 void PoseMorph::Apply(Dataset& dataset, const std::string& file) const {
   const Skeleton& skeleton = state_->model->info.skeleton;
   if (!skeleton.SameJoints(dataset.skeleton)) {
@@ -95,9 +105,15 @@ void PoseMorph::Apply(Dataset& dataset, const std::string& file) const {
                    fmt::format("{}", fmt::join(dataset.skeleton.joints, ", ")),
                    "import the data onto its skeleton, or train a morphing network on this one"});
   }
+  if (!dataset.source.morph.empty()) {
+    ThrowBadInput({file, "", "keypoints as the detector wrote them",
+                   fmt::format("some moved by {}", dataset.source.morph),
+                   "import the data without `morph`, or leave `morph` out here"});
+  }
   for (Sequence& sequence : dataset.sequences) {
     for (CameraView& view : sequence.cameras) Apply(view, sequence.frame_count);
   }
+  dataset.source.morph = Describe();
 }
 
 }  // namespace canonpose

@@ -23,11 +23,14 @@ class PoseMorph {
   PoseMorph& operator=(PoseMorph&&) noexcept;
 
   [[nodiscard]] const std::shared_ptr<const ModelFile>& model() const;
+  /// What DatasetSource::morph records: "the morphing network 0123456789abcdef of width 64".
+  [[nodiscard]] std::string Describe() const;
 
   /// Moves the detected joints in the T frames of a view. Confidences stay as they are, and so do frames whose pose
   /// cannot be normalised (geometry/normalisation.h).
   void Apply(CameraView& view, int frame_count) const;
-  /// Does that in all views. Throws Error(kBadInput) naming `file` where its joints are not those of the network.
+  /// Does that in all views, and records it in the dataset's source. Throws Error(kBadInput) naming `file` where its
+  /// joints are not those of the network, or were moved by one before.
   void Apply(Dataset& dataset, const std::string& file) const;
 
  private:

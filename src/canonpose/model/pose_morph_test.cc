@@ -62,6 +62,22 @@ TEST(PoseMorph, MovesJointsInProportionToThePose) {
   EXPECT_EQ(view.confidence, OneView(2).confidence);
 }
 
+TEST(PoseMorph, ADatasetRecordsWhatMovedItsKeypoints) {
+  const PoseMorph morph = PoseMorph::Of(std::make_shared<const ModelFile>(MovesOneJoint(0.1F, 0.0F)), "model");
+  Dataset dataset;
+  dataset.skeleton = ThreeJoints();
+  dataset.sequences.emplace_back();
+  dataset.sequences.front().frame_count = 2;
+  dataset.sequences.front().cameras = {OneView(2)};
+  morph.Apply(dataset, "data.h5");
+  EXPECT_EQ(dataset.source.morph, morph.Describe());
+  EXPECT_THAT(morph.Describe(), HasSubstr("of width 4"));
+  const PoseMorph other = PoseMorph::Of(std::make_shared<const ModelFile>(MovesOneJoint(0.2F, 0.0F)), "model");
+  EXPECT_NE(other.Describe(), morph.Describe());
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { other.Apply(dataset, "data.h5"); }),
+              HasSubstr("expected keypoints as the detector wrote them"));
+}
+
 TEST(PoseMorph, LeavesWhatIsMissingMissing) {
   const PoseMorph morph = PoseMorph::Of(std::make_shared<const ModelFile>(MovesOneJoint(0.1F, 0.0F)), "model");
   CameraView view = OneView(3);

@@ -6,12 +6,14 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/data/choice.h"
 #include "canonpose/pipeline/lifter_start.h"
 #include "canonpose/solve/factorisation.h"
 
 namespace canonpose {
 
 StartPoses Bootstrap(const Dataset& dataset, const std::string& file, const BootstrapOptions& options) {
+  RequireTwoCameras(dataset, file);
   if (!options.model.empty()) return StartFromModel(dataset, file, options);
   const bool knows = StarterCanStart(dataset.skeleton);
   const bool stands = std::ranges::all_of(dataset.sequences, &Sequence::static_cameras);

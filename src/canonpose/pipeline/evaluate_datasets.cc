@@ -11,6 +11,8 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/names.h"
 #include "canonpose/base/progress.h"
+#include "canonpose/data/calibration_check.h"
+#include "canonpose/data/truth_frame.h"
 #include "canonpose/evaluate/canonical.h"
 #include "canonpose/evaluate/reference.h"
 #include "canonpose/evaluate/selection.h"
@@ -30,6 +32,7 @@ class Run {
 
  private:
   void Begin(const Skeleton& skeleton);
+  void CheckFigures(Dataset& dataset, const std::string& file);
   void AddTruthKinds(const Dataset& dataset);
   void AddSequence(const Sequence& sequence, const SequencePoses& reference, const Selection& selection,
                    const std::string& prefix, Progress& progress);
@@ -37,6 +40,7 @@ class Run {
                     int frame_count);
   void ReportTruthKind(EvaluationReport& report) const;
   void ReportMissing(EvaluationReport& report) const;
+  void ReportOtherBenchmarks(EvaluationReport& report) const;
   [[noreturn]] void ThrowNothingLeft() const;
 
   const DatasetEvaluation& job_;
@@ -45,7 +49,9 @@ class Run {
   std::optional<Evaluation> evaluation_;
   std::optional<CanonicalSpread> canonical_;
   ReferenceSummary reference_;
-  std::set<std::string> truth_kinds_;  ///< "" if a sequence does not say
+  bool reference_is_doubtful_ = false;
+  std::set<std::string> other_formats_;  ///< of data that are not the protocol's benchmark's
+  std::set<std::string> truth_kinds_;    ///< "" if a sequence does not say
   CameraComparison cameras_;
   std::int64_t left_out_sequences_ = 0;
   std::int64_t sequences_too_short_ = 0;
@@ -78,6 +84,7 @@ void Run::Add(const fs::path& file) {
     ThrowBadInput({file.string(), "/skeleton", "the joints of " + job_.files.front().string(), "others",
                    "evaluate files with different joints one by one"});
   }
+  CheckFigures(dataset, file.string());
   const ReferencePoses reference(dataset, file.string());
   reference_.Add(reference);
   if (!reference.triangulated()) AddTruthKinds(dataset);
@@ -132,6 +139,21 @@ void Run::AddCanonical(const std::vector<PoseSequence>& canonical, const std::ve
   }
 }
 
+/// What is compared with must be possible.
+void Run::CheckFigures(Dataset& dataset, const std::string& file) {
+  const Protocol& protocol = job_.protocol;
+  const std::string& format = dataset.source.format;
+  if (!protocol.formats.empty() && !format.empty() && std::ranges::count(protocol.formats, format) == 0) {
+    other_formats_.insert(format);
+  }
+  if (dataset.HasTruth()) {
+    CheckUnitOfTruth(dataset, file);
+    RequireTruthInCameraFrame(dataset, file);
+  }
+  const bool uses_calibration = !dataset.HasTruth() || predictor_.uses_calibration;
+  if (uses_calibration && dataset.HasCalibration() && !CheckCalibration(dataset, file)) reference_is_doubtful_ = true;
+}
+
 void Run::AddTruthKinds(const Dataset& dataset) {
   for (const Sequence& sequence : dataset.sequences) {
     const bool has_truth = std::any_of(sequence.cameras.begin(), sequence.cameras.end(),
@@ -168,6 +190,14 @@ void Run::ReportMissing(EvaluationReport& report) const {
   }
 }
 
+void Run::ReportOtherBenchmarks(EvaluationReport& report) const {
+  if (other_formats_.empty()) return;
+  report.warnings.push_back(
+      fmt::format("{} is the protocol of {}, but these data are of the format {}: do not compare the "
+                  "figures with published ones",
+                  job_.protocol.name, job_.protocol.benchmark, fmt::join(other_formats_, " and ")));
+}
+
 void Run::ThrowNothingLeft() const {
   const Protocol& protocol = job_.protocol;
   const std::string file = job_.files.front().string();
@@ -189,9 +219,16 @@ EvaluationReport Run::Finish() {
   EvaluationReport report = evaluation_->Finish(reference_.Kind(), job_.files.front().string());
   ReportTruthKind(report);
   ReportMissing(report);
+  ReportOtherBenchmarks(report);
+  report.reference_is_doubtful = reference_is_doubtful_;
+  report.mirror_advice = predictor_.mirror_advice;
   report.left_out_sequences = left_out_sequences_;
   report.cameras = cameras_.Medians();
   if (canonical_) report.canonical = canonical_->Finish();
+  if (canonical_ && !report.canonical) {
+    report.warnings.emplace_back(
+        "canonical poses are not compared: every pose points away from its truth, so that none has a size");
+  }
   return report;
 }
 
@@ -205,7 +242,8 @@ Predictor SolvedPoses() {
           },
           [](const Sequence& sequence, std::size_t camera) {
             return PredictedPoses{sequence.cameras[camera].solved, {}};
-          }};
+          },
+          false, "solve again with `mirror=flip`, or with `mirror=keep` if its report says that it was flipped"};
 }
 
 Predictor TriangulatedPoses() {
@@ -231,7 +269,8 @@ Predictor TriangulatedPoses() {
               cache->poses = TriangulateSequence(sequence, cache->skeleton);
             }
             return PredictedPoses{cache->poses.poses_in_camera[camera], {}};
-          }};
+          },
+          /*uses_calibration=*/true};
 }
 
 EvaluationReport EvaluateDatasets(const DatasetEvaluation& job, const Predictor& predictor) {

@@ -33,6 +33,8 @@ struct Predictor {
   std::function<void(const Dataset& dataset, const std::string& file)> check;
   /// Called view by view, sequence by sequence.
   std::function<PredictedPoses(const Sequence& sequence, std::size_t camera)> predict;
+  bool uses_calibration = false;  ///< of the datasets
+  std::string mirror_advice{};    ///< EvaluationReport::mirror_advice
 };
 
 /// The stored poses of a solved dataset.
@@ -42,8 +44,10 @@ Predictor SolvedPoses();
 /// single view of the same keypoints.
 Predictor TriangulatedPoses();
 
-/// Throws Error(kBadInput) if a file cannot be evaluated in this way, or holds none of the protocol's subjects or
-/// frames.
+/// Truth and calibrations in centimetres or metres are read as such, which is reported. Throws Error(kBadInput) where a
+/// file cannot be evaluated so, or holds none of the protocol's subjects or frames; and where truth or calibration
+/// cannot be true: cameras are interchanged, truth is in another frame than the camera's, or a person has the size of
+/// nobody (data/calibration_check.h, data/truth_frame.h).
 EvaluationReport EvaluateDatasets(const DatasetEvaluation& job, const Predictor& predictor);
 
 }  // namespace canonpose

@@ -13,6 +13,8 @@
 namespace canonpose {
 namespace {
 
+using testing::CollectedMessages;
+using ::testing::ElementsAre;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
 using testing::TemporaryFolder;
@@ -80,6 +82,96 @@ TEST_F(EvaluateDatasetsTest, RefusesDatasetsThatAreNotSolved) {
   const DatasetEvaluation job = Job(SmallCapture());
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { EvaluateDatasets(job, SolvedPoses()); }),
               HasSubstr("expected solved poses"));
+}
+
+std::vector<CameraView>& Cameras(Dataset& dataset) { return dataset.sequences.front().cameras; }
+
+void DropTruth(Dataset& dataset) {
+  for (Sequence& sequence : dataset.sequences) {
+    for (CameraView& view : sequence.cameras) {
+      view.solved = view.truth;
+      view.truth = {};
+    }
+  }
+}
+
+TEST_F(EvaluateDatasetsTest, ACalibrationInMetresIsReadAsSuch) {
+  Dataset dataset = SmallCapture();
+  DropTruth(dataset);
+  const EvaluationReport right = EvaluateDatasets(Job(dataset), SolvedPoses());
+  for (Sequence& sequence : dataset.sequences) {
+    for (CameraView& view : sequence.cameras) {
+      for (Camera& camera : view.calibration) camera.camera_from_world_translation /= 1000.0;
+    }
+  }
+  const CollectedMessages messages;
+  const EvaluationReport report = EvaluateDatasets(Job(dataset), SolvedPoses());
+  EXPECT_THAT(messages.text(), HasSubstr("the calibration's t is in metres"));
+  EXPECT_NEAR(report.metrics.n_mpjpe_mm, right.metrics.n_mpjpe_mm, 0.1);
+}
+
+TEST_F(EvaluateDatasetsTest, TruthInMetresIsReadAsSuch) {
+  Dataset dataset = SmallCapture();
+  for (Sequence& sequence : dataset.sequences) {
+    for (CameraView& view : sequence.cameras) {
+      view.solved = view.truth;
+      for (std::size_t i = 0; i < view.solved.positions().size(); i += 7) view.solved.positions()[i] += 100.0F;
+      for (float& value : view.truth.positions()) value /= 1000.0F;
+    }
+  }
+  const CollectedMessages messages;
+  const EvaluationReport report = EvaluateDatasets(Job(dataset), SolvedPoses());
+  EXPECT_THAT(messages.text(), HasSubstr("the truth is in metres"));
+  EXPECT_GT(report.metrics.n_mpjpe_mm, 5.0);
+}
+
+TEST_F(EvaluateDatasetsTest, InterchangedCamerasAreRefusedAndNamed) {
+  Dataset dataset = SmallCapture();
+  DropTruth(dataset);
+  for (Sequence& sequence : dataset.sequences) {
+    std::swap(sequence.cameras[0].calibration, sequence.cameras[2].calibration);
+  }
+  const std::string names = Cameras(dataset)[0].name + " and " + Cameras(dataset)[2].name + " interchanged";
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { EvaluateDatasets(Job(dataset), SolvedPoses()); }), HasSubstr(names));
+}
+
+TEST_F(EvaluateDatasetsTest, TruthInAnotherFrameIsRefused) {
+  Dataset dataset = SmallCapture();
+  for (Sequence& sequence : dataset.sequences) {
+    for (CameraView& view : sequence.cameras) {
+      std::vector<float>& truth = view.truth.positions();
+      for (std::size_t i = 0; i < truth.size(); i += 3) {
+        truth[i + 1] *= -1.0F;
+        truth[i + 2] *= -1.0F;
+      }
+    }
+  }
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { EvaluateDatasets(Job(dataset), PerfectPoses()); }),
+              AllOf(HasSubstr("/truth"), HasSubstr("rotated by 1")));
+}
+
+TEST_F(EvaluateDatasetsTest, ABenchmarksProtocolOnOtherDataIsWarnedOf) {
+  Dataset dataset = SmallCapture();
+  dataset.source.format = "simulated";
+  DatasetEvaluation job = Job(dataset);
+  job.protocol = FindProtocol("skipose");
+  EXPECT_THAT(EvaluateDatasets(job, PerfectPoses()).warnings,
+              ElementsAre(AllOf(HasSubstr("the protocol of Ski-PosePTZ"), HasSubstr("simulated"))));
+}
+
+TEST_F(EvaluateDatasetsTest, CanonicalPosesOfWhichNoneCanBeUsedAreLeftOut) {
+  DatasetEvaluation job = Job(SmallCapture());
+  job.canonical = true;
+  Predictor predictor;
+  predictor.check = [](const Dataset&, const std::string&) {};
+  predictor.predict = [](const Sequence& sequence, std::size_t camera) {
+    PredictedPoses poses{sequence.cameras[camera].truth, sequence.cameras[camera].truth};
+    for (float& value : poses.pose_in_camera.positions()) value *= -1.0F;  // every pose points away from its truth
+    return poses;
+  };
+  const EvaluationReport report = EvaluateDatasets(job, predictor);
+  EXPECT_FALSE(report.canonical.has_value());
+  EXPECT_THAT(report.warnings, ElementsAre(HasSubstr("canonical poses are not compared")));
 }
 
 TEST_F(EvaluateDatasetsTest, AProtocolsSubjectsMustBeThere) {

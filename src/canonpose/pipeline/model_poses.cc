@@ -10,7 +10,11 @@ Predictor ModelPoses(const PoseLifter& lifter) {
           [&](const Sequence& sequence, std::size_t camera) {
             LiftedPoses poses = lifter.Lift(sequence.cameras[camera], sequence.frame_count);
             return PredictedPoses{std::move(poses.pose_in_camera), std::move(poses.canonical)};
-          }};
+          },
+          false,
+          "models of preset best: solve again with `mirror=flip` and train on the result; models of presets paper, "
+          "paper+c and "
+          "plus: train again with `mirror=flip`. If the mirror was flipped already, `mirror=keep` instead"};
 }
 
 }  // namespace canonpose

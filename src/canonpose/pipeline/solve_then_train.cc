@@ -6,6 +6,7 @@
 #include "canonpose/base/log.h"
 #include "canonpose/pipeline/bootstrap.h"
 #include "canonpose/solve/solver.h"
+#include "canonpose/train/data_checks.h"
 #include "canonpose/train/run_folder.h"
 
 namespace canonpose {
@@ -44,7 +45,8 @@ Dataset SolvedDataset(const TrainJob& job, std::size_t number) {
 }  // namespace
 
 TrainReport SolveThenTrain(TrainJob job) {
-  // Minutes of work follow: first check that the folder may be written to.
+  // Minutes of work follow: first check the recordings, and that the folder may be written to.
+  RequireRecordings(job);
   PrepareRunFolder(job.run_folder, job.resume, job.overwrite);
   for (std::size_t i = 0; i < job.datasets.size(); ++i) {
     if (!job.datasets[i].HasSolved()) job.datasets[i] = SolvedDataset(job, i);

@@ -1,5 +1,6 @@
 #include "canonpose/scene/lifted_poses.h"
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 
@@ -14,6 +15,16 @@ LiftedPoses::LiftedPoses(const Skeleton& skeleton, int frame_count, const std::s
   rotation.assign(9 * count, std::numeric_limits<float>::quiet_NaN());
   frames.resize(count);
   std::iota(frames.begin(), frames.end(), 0);
+}
+
+void LiftedPoses::HideUnseenJoints() {
+  for (PoseSequence* poses : {&pose_in_camera, &canonical}) {
+    for (std::size_t i = 0; i < poses->confidence().size(); ++i) {
+      if (poses->confidence()[i] > 0.0F) continue;
+      std::fill_n(poses->positions().begin() + 3 * static_cast<std::ptrdiff_t>(i), 3,
+                  std::numeric_limits<float>::quiet_NaN());
+    }
+  }
 }
 
 }  // namespace canonpose

@@ -21,6 +21,8 @@ constexpr int kMeasuredFrames = 200;
 // people.
 /// Keypoints of a statue move by 0.06 to 0.12 (usual noise), those of people by 0.36 or more.
 constexpr double kMinMotion = 0.18;
+/// A recording may be too short for a movement.
+constexpr int kFewFrames = 100;
 /// Good captures: 0.3 to 0.5 %, with twice the noise up to 1.3 %.
 constexpr double kMaxReprojection = 0.015;
 /// Good captures: 0.05 to 0.09, with twice the noise up to 0.16; more where cameras are close together. Different
@@ -167,9 +169,10 @@ std::string MissingInput(const CaptureObservations& capture) {
   const double motion = MotionSpread(capture);
   if (motion < kMinMotion) {
     return fmt::format(
-        "the person does not move (keypoints move by {:.1f} % of the body's size): {} points are too few to find "
-        "cameras",
-        100.0 * motion, capture.joint_count());
+        "the person hardly moves in these {} frames (keypoints move by {:.1f} % of the body's size), and the {} joints "
+        "of one pose are too few points to find cameras: {}",
+        capture.frame_count, 100.0 * motion, capture.joint_count(),
+        capture.frame_count < kFewFrames ? "give more frames" : "record somebody who moves");
   }
   return "";
 }

@@ -7,10 +7,14 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/hash.h"
-#include "canonpose/train/training_set.h"
+#include "canonpose/data/choice.h"
+#include "canonpose/data/duplicates.h"
 
 namespace canonpose {
 namespace {
+
+/// Fewer frames than this hold no movement, and statistics over them are undefined.
+constexpr std::size_t kFewestFrames = 5;
 
 void AddValues(Fingerprint& fingerprint, const std::vector<float>& values) {
   fingerprint.Add(values.data(), values.size() * sizeof(float));
@@ -35,6 +39,24 @@ bool AnyView(const TrainJob& job, Predicate predicate) {
       return std::any_of(sequence.cameras.begin(), sequence.cameras.end(), predicate);
     });
   });
+}
+
+[[noreturn]] void ThrowTooFewFrames(const TrainJob& job, std::size_t frames, int left_out) {
+  ThrowBadInput(
+      {fmt::format("{}", fmt::join(job.data_files, ", ")), "",
+       fmt::format("at least {} frames to train on", kFewestFrames),
+       left_out > 0 ? fmt::format("{}, and {} that too few cameras see", frames, left_out) : fmt::format("{}", frames),
+       "record more: a minute of varied movement is a good start"});
+}
+
+/// Learning from other views needs some.
+void RequireViews(const TrainJob& job) {
+  if (std::ranges::any_of(job.datasets, [](const Dataset& dataset) {
+        return std::ranges::any_of(dataset.sequences, [](const Sequence& one) { return one.cameras.size() >= 2; });
+      })) {
+    return;
+  }
+  for (std::size_t i = 0; i < job.datasets.size(); ++i) RequireTwoCameras(job.datasets[i], job.data_files[i]);
 }
 
 void RequireTarget(const TrainJob& job) {
@@ -97,6 +119,22 @@ void RequireSuitableData(const TrainJob& job) {
                    "import all data onto the same skeleton"});
   }
   RequireTarget(job);
+  if (TargetOf(job.options.supervision) == TrainingTarget::kViews) RequireViews(job);
+  RequireRecordings(job);
+}
+
+void RequireRecordings(const TrainJob& job) {
+  std::size_t frames = 0;
+  for (const Dataset& dataset : job.datasets) {
+    for (const Sequence& sequence : dataset.sequences) frames += static_cast<std::size_t>(sequence.frame_count);
+  }
+  if (frames < kFewestFrames) ThrowTooFewFrames(job, frames, 0);
+  RequireDistinctRecordings(job.datasets, job.data_files);
+}
+
+void RequireEnoughFrames(const TrainJob& job, const TrainingSplit& split) {
+  const std::size_t frames = split.training.frames.size();
+  if (frames < kFewestFrames) ThrowTooFewFrames(job, frames, split.frames_left_out);
 }
 
 }  // namespace canonpose

@@ -23,6 +23,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "canonpose/base/decimal_comma.h"
 #include "canonpose/base/enum_names.h"
 #include "canonpose/base/error.h"
 #include "canonpose/train/option_description.h"
@@ -119,7 +120,8 @@ std::string ExpectedValues(const OptionRow<Options, Value>& row) {
 
 template <typename Options, typename Value>
 [[noreturn]] void ThrowUnexpected(const OptionRow<Options, Value>& row, const std::string& found) {
-  ThrowInvalidArgument("`{}`: expected {}, found \"{}\"", row.name, ExpectedValues(row), found);
+  ThrowInvalidArgument("`{}`: expected {}, found \"{}\"{}", row.name, ExpectedValues(row), found,
+                       std::is_arithmetic_v<Value> ? HintAtDecimalComma(found) : "");
 }
 
 template <typename Options, typename Value>

@@ -171,6 +171,10 @@ void TrainOptions::Set(const std::string& name, const std::string& value) {
         "`preset` stands for a choice of all options and is not set like one of them: give `preset={}`", value);
   }
   SetField(kTrainTable, name, value, *this);
+  if (name == "epochs" && epochs == 0) {
+    ThrowInvalidArgument("`epochs`: expected 1 or more, found {}; without it, the size of the recording decides",
+                         value);
+  }
 }
 
 std::string TrainOptions::Get(const std::string& name) const { return GetField(kTrainTable, name, *this); }

@@ -155,7 +155,8 @@ struct TrainOptions {
   /// Whether there is a field of this name.
   static bool Has(const std::string& name);
   /// Sets one field by name, except the preset, which stands for a choice of all fields (PresetOptions()). Throws
-  /// Error(kInvalidArgument) for an unknown name (listing the known ones) or a value that does not parse.
+  /// Error(kInvalidArgument) for an unknown name (listing the known ones), a value that does not parse, or 0 epochs:
+  /// the field is 0 only where nobody set it.
   void Set(const std::string& name, const std::string& value);
   [[nodiscard]] std::string Get(const std::string& name) const;
 

@@ -71,6 +71,7 @@ ModelInfo DescribeModel(const TrainJob& job) {
   info.seed = options.seed;
   info.data_files = job.data_files;
   info.morph = job.morph;
+  if (info.morph) info.source.morph.clear();  // the model brings it
   for (const Dataset& dataset : job.datasets) info.data_fingerprints.push_back(FingerprintOf(dataset, options));
   return info;
 }
@@ -311,6 +312,7 @@ TrainReport Train(const TrainJob& given) {
   WarnAboutSlowLinearAlgebra();
   RequireSuitableData(job);
   TrainingSplit split = MakeTrainingSplit(job.datasets, job.options.validation, RowFormOf(job.options));
+  RequireEnoughFrames(job, split);
   RunFolder folder(job.run_folder, job.resume, job.overwrite);
   LifterTraining training(job, std::move(split), folder);
   TrainingLoop loop(training, folder, "step", job.options.checkpoint_seconds);

@@ -532,7 +532,24 @@ TEST(Train, OneCameraIsNotEnough) {
   const TemporaryFolder folder;
   TrainJob job = Job(folder, "run");
   job.datasets = {PuppetShow(40, 1)};
-  EXPECT_THAT(ErrorOf(ErrorKind::kComputation, [&] { Train(job); }), HasSubstr("all recordings have one camera"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(job); }), HasSubstr("at least two cameras"));
+}
+
+TEST(Train, AFewFramesAreNotEnough) {
+  const TemporaryFolder folder;
+  TrainJob job = Job(folder, "run");
+  job.datasets = {PuppetShow(4, 3)};
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(job); }), HasSubstr("at least 5 frames to train on"));
+  EXPECT_FALSE(std::filesystem::exists(job.run_folder / "model.cpm"));
+}
+
+TEST(Train, ARecordingGivenTwiceIsRefused) {
+  const TemporaryFolder folder;
+  TrainJob job = Job(folder, "run");
+  job.datasets.push_back(job.datasets.front());
+  job.datasets.back().sequences.front().capture = "another name";
+  job.data_files = {"a.h5", "b.h5"};
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { Train(job); }), HasSubstr("given once"));
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kUnknownValue = std::numeric_limits<float>::quiet_NaN();
 
 /// Maps poses (T, source joints, 3) to (T, target joints, 3): means of the sources, unknown where one of them is.
 std::vector<float> MapPoses(const std::vector<float>& poses, const LayoutMapping& mapping) {
@@ -46,7 +46,7 @@ void MapKeypoints(CameraView& view, const LayoutMapping& mapping) {
   const std::size_t source_count = mapping.source.joints.size();
   const std::size_t target_count = mapping.joints.size();
   const std::size_t frames = view.confidence.size() / source_count;
-  std::vector<float> keypoints(frames * target_count * 2, kNaN);
+  std::vector<float> keypoints(frames * target_count * 2, kUnknownValue);
   std::vector<float> confidence(frames * target_count, 0.0F);
   for (std::size_t t = 0; t < frames; ++t) {
     ApplyMapping(mapping, &view.keypoints[2 * t * source_count], &view.confidence[t * source_count],

@@ -50,9 +50,9 @@ constexpr std::array<Signature, 23> kSignatures{{{4, "ftyp"sv, kVideo},  // MP4,
                                                  {0, "Rar!"sv, kCompressed},
                                                  {0, "%PDF"sv, kPdf}}};
 
-constexpr std::array<std::string_view, 16> kVideoExtensions{".mp4", ".mov",  ".m4v", ".avi", ".mkv", ".webm",
-                                                            ".mpg", ".mpeg", ".wmv", ".flv", ".3gp", ".mts",
-                                                            ".m2ts", ".ts",  ".ogv", ".mxf"};
+constexpr std::array<std::string_view, 16> kVideoExtensions{".mp4",  ".mov",  ".m4v", ".avi", ".mkv", ".webm",
+                                                            ".mpg",  ".mpeg", ".wmv", ".flv", ".3gp", ".mts",
+                                                            ".m2ts", ".ts",   ".ogv", ".mxf"};
 
 }  // namespace
 

@@ -64,8 +64,8 @@ WithoutNaN ReplaceNaN(std::string_view text) {
   bool is_in_string = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
-    const bool is_word = !is_in_string && (c == 'N' || c == 'n' || c == '-' || c == '+') &&
-                         (i == 0 || !IsWordCharacter(text[i - 1]));
+    const bool is_word =
+        !is_in_string && (c == 'N' || c == 'n' || c == '-' || c == '+') && (i == 0 || !IsWordCharacter(text[i - 1]));
     const std::string word = is_word ? WordAt(text, i) : "";
     const std::size_t sign = word.starts_with('-') || word.starts_with('+') ? 1 : 0;
     if (word.size() == sign + 3 && IsNaN(word)) {

@@ -82,7 +82,7 @@ LiftInput FromDetections(const LiftArguments& arguments, const PoseLifter& lifte
   options.person = arguments.person;
   if (!arguments.image_size.empty()) options.image_size = ParseImageSize(arguments.image_size);
   SingleCamera single = ReadSingleCamera(arguments.input, options);
-  return {std::move(single.view), std::move(single.frame_numbers), 0.0};
+  return {std::move(single.view), std::move(single.frame_numbers), single.fps};
 }
 
 /// Options that would be ignored are a misunderstanding.

@@ -37,8 +37,10 @@ struct KeypointClip {
   std::string path;  ///< the file or folder, for messages
   int keypoint_count = 0;
   std::vector<std::int64_t> frame_numbers;  ///< (T)
-  std::vector<float> keypoints;             ///< (T, K, 2) pixels; NaN where missing
-  std::vector<float> confidence;            ///< (T, K) as in the file; 0 where missing
+  /// Where frames are named by the time, their numbers are multiples of this; 0 where they count frames.
+  double seconds_per_number = 0.0;
+  std::vector<float> keypoints;   ///< (T, K, 2) pixels; NaN where missing
+  std::vector<float> confidence;  ///< (T, K) as in the file; 0 where missing
 
   [[nodiscard]] int frame_count() const { return static_cast<int>(frame_numbers.size()); }
 };

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kLargestFrameNumber = 2'000'000'000'000'000'000;
 /// Between the frames of a counter there are at most this many steps where the most are adjacent.
 constexpr std::int64_t kLargestCounterStep = 4;
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
 
 /// Whole-body sets start with a body set; the face and the hands that follow are left out.
 struct WholeBodySet {
@@ -69,7 +69,7 @@ std::vector<fs::path> ListFolder(const fs::path& folder, Keep&& keep, bool with_
 std::optional<DetectedPerson> PersonFromTriples(const std::vector<double>& triples) {
   const std::size_t count = BodyCount(triples.size() / 3);
   DetectedPerson person;
-  person.keypoints.assign(2 * count, kNaN);
+  person.keypoints.assign(2 * count, kMissing);
   person.confidence.assign(count, 0.0F);
   bool is_seen = false;
   for (std::size_t k = 0; k < count; ++k) {

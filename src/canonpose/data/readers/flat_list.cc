@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// What COCO-WholeBody keeps beside the body's keypoints.
-constexpr std::array<std::pair<const char*, const char*>, 4> kOtherParts{
+constexpr std::array<std::pair<const char*, const char*>, 4> kOtherCocoParts{
     {{"foot_kpts", "feet"}, {"face_kpts", "face"}, {"lefthand_kpts", "hands"}, {"righthand_kpts", "hands"}}};
 
 /// A track id: a number, or, as some trackers write it, a number in an array.
@@ -138,7 +138,7 @@ void ReadFlatList(const JsonValue& list, CameraBuilder& builder) {
       if (!category || !category->json().is_number() || category->Number() != static_cast<double>(*kept_category))
         continue;
     }
-    for (const auto& [key, part] : kOtherParts) {
+    for (const auto& [key, part] : kOtherCocoParts) {
       if (entry.Has(key)) builder.NoteUnusedPart(part);
     }
     const JsonValue keypoints = entry["keypoints"];

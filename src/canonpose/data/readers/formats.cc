@@ -45,11 +45,11 @@ std::string GuessList(const JsonValue& list) {
 }
 
 /// How many files of a folder are examined; other files, such as a calibration, may come before the detections.
-constexpr std::size_t kFilesToTry = 10;
+constexpr std::size_t kFilesToGuessFrom = 10;
 
 std::string GuessFolder(const fs::path& folder) {
   std::vector<fs::path> files = JsonFilesIn(folder);
-  if (files.size() > kFilesToTry) files.resize(kFilesToTry);
+  if (files.size() > kFilesToGuessFrom) files.resize(kFilesToGuessFrom);
   for (const fs::path& file : files) {
     std::string format = GuessFormat(JsonValue::Load(file));
     if (!format.empty()) return format;

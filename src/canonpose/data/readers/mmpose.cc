@@ -49,7 +49,6 @@ bool IsFrameFileOfMmpose(const fs::path& file) {
 /// x, y, score triples from keypoints [[x, y], ...] and keypoint_scores [...], or from keypoints [[x, y, score], ...]
 /// as in MMPose 0.x. NaN where the file has null or NaN.
 std::vector<double> TriplesOf(const JsonValue& instance) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const JsonValue keypoints = instance["keypoints"];
   const std::size_t count = keypoints.ArraySize();
   if (count == 0) keypoints.Fail("keypoints");
@@ -65,7 +64,7 @@ std::vector<double> TriplesOf(const JsonValue& instance) {
   for (std::size_t k = 0; k < count; ++k) {
     const JsonValue value = keypoints.At(k);
     if (value.IsNull()) {
-      triples.insert(triples.end(), 3, kNaN);
+      triples.insert(triples.end(), 3, std::numeric_limits<double>::quiet_NaN());
       continue;
     }
     const std::vector<double> point = value.NumbersOrNaN();

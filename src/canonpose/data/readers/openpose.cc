@@ -24,7 +24,7 @@ constexpr const char* kFolderAdvice =
     "give the folder that OpenPose's write_json option wrote, or the folder above several of those";
 
 /// What OpenPose finds beside the body.
-constexpr std::array<std::pair<const char*, const char*>, 3> kOtherParts{
+constexpr std::array<std::pair<const char*, const char*>, 3> kOtherOpenPoseParts{
     {{"face_keypoints_2d", "face"}, {"hand_left_keypoints_2d", "hands"}, {"hand_right_keypoints_2d", "hands"}}};
 
 bool IsEmptyFolder(const fs::path& folder) {
@@ -90,7 +90,7 @@ std::vector<double> BodyTriples(const JsonValue& person) {
 }
 
 void NoteUnusedParts(const JsonValue& person, CameraBuilder& builder) {
-  for (const auto& [key, part] : kOtherParts) {
+  for (const auto& [key, part] : kOtherOpenPoseParts) {
     const std::optional<JsonValue> values = person.Find(key);
     if (values && values->json().is_array() && !values->json().empty()) builder.NoteUnusedPart(part);
   }

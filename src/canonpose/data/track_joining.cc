@@ -21,8 +21,12 @@ constexpr double kSameFactor = 2.5;
 /// Another track counts as a person above these fractions of the lesser part's prominence, per frame and in total.
 constexpr double kRivalShareOfFrame = 0.4;
 constexpr double kRivalShareOfAll = 0.1;
+/// From one frame to the next a person's size changes by less than the first factor, and by the second one for each
+/// frame more.
+constexpr double kLargestReturnScale = 1.4;
+constexpr double kLogScalePerFrame = 0.015;
 /// How far a person can get, in person sizes: immediately, and per frame.
-constexpr double kReach = 2.0;
+constexpr double kReach = 0.5;
 constexpr double kReachPerFrame = 0.1;
 /// With other people present: the same place and size, and every alternative is farther away by at least this factor.
 constexpr double kSamePlace = 0.75;
@@ -94,8 +98,10 @@ double Distance(const Part& earlier, const Part& later) {
 
 /// Whether `later` could be the same person as `earlier`, who has returned.
 bool IsPossible(const Part& earlier, const Part& later) {
-  return earlier.last < later.first && AreComparable(earlier, later) &&
-         Factor(earlier.end.size_px, later.begin.size_px) < kSameFactor &&
+  const int gap = later.first - earlier.last;
+  const double largest_factor = std::min(kSameFactor, kLargestReturnScale * std::exp(kLogScalePerFrame * gap));
+  return gap > 0 && AreComparable(earlier, later) &&
+         Factor(earlier.end.size_px, later.begin.size_px) < largest_factor &&
          Distance(earlier, later) < kReach + kReachPerFrame * (later.first - earlier.last);
 }
 

@@ -37,7 +37,7 @@ constexpr double kSameIdCostLimitPerGapFrame = 0.05;
 /// A jump that may be to somebody else: over at most so many frames, by more than this fraction of the size, and by
 /// more than so many usual steps for each frame.
 constexpr int kLongestJump = 15;
-constexpr double kSmallestJump = 0.2;
+constexpr double kSmallestJump = 0.4;
 constexpr double kJumpInSteps = 8.0;
 /// Somebody else counts from this fraction of the person's prominence in a frame.
 constexpr double kReplacementShare = 0.15;

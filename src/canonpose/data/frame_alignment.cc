@@ -161,6 +161,16 @@ bool CountDifferently(const std::vector<KeypointClip>& clips) {
   return std::any_of(clips.begin(), clips.end(), [&](const KeypointClip& clip) { return MedianStep(clip) != first; });
 }
 
+/// Whether some cameras count from 0 and the others from 1, all without gaps.
+bool CountFromZeroAndOne(const std::vector<KeypointClip>& clips) {
+  std::set<std::int64_t> first;
+  for (const KeypointClip& clip : clips) {
+    first.insert(clip.frame_numbers.front());
+    if (clip.frame_numbers.back() - clip.frame_numbers.front() + 1 != clip.frame_count()) return false;
+  }
+  return first == std::set<std::int64_t>{0, 1};
+}
+
 /// Whether the numbers are as irregular as those of a clock.
 bool LookLikeTimes(const KeypointClip& clip) {
   std::int64_t divisor = 0;
@@ -358,10 +368,16 @@ double AlignFrames(std::vector<KeypointClip>& clips, FrameAlignment alignment) {
   const bool have_same_counts = std::all_of(clips.begin(), clips.end(), [&](const KeypointClip& clip) {
     return clip.frame_count() == clips.front().frame_count();
   });
+  const bool is_one_off = have_same_counts && CountFromZeroAndOne(clips);
   if (common < kCommonNumbers || (have_same_counts && CountDifferently(clips))) {
     AlignInOrder(clips, false);
   } else {
     AlignByNumber(clips);
+    if (is_one_off) {
+      LogWarning(
+          "some cameras' frames are numbered from 0 and others' from 1; if their first frames are simultaneous, set "
+          "`align` order");
+    }
   }
   return 0.0;
 }

@@ -124,7 +124,9 @@ std::string DescribeContent(const JsonValue& root) {
   if (images && (annotations || categories)) {
     std::string text = fmt::format("a COCO dataset with {} image{}", *images, *images == 1 ? "" : "s");
     if (annotations) text += fmt::format(", {} annotation{}", *annotations, *annotations == 1 ? "" : "s");
-    if (categories) text += fmt::format("{} categories", annotations ? " and " : ", ");
+    if (categories) {
+      text += fmt::format("{}{} categor{}", annotations ? " and " : ", ", *categories, *categories == 1 ? "y" : "ies");
+    }
     return text;
   }
   if (const std::optional<JsonValue> cameras = root.Find("cameras")) {

@@ -31,6 +31,8 @@ constexpr double kLargestCostLimit = 1.2;
 constexpr double kLargestScale = 1.4;
 constexpr double kLogScalePerGapFrame = 0.015;
 constexpr int kFewestForScale = 5;
+/// A change that was under way may go on unseen, and faster by this factor.
+constexpr double kScaleGoesOn = 1.5;
 /// With the same track id, a person may have gone farther than the costs' limit, but not into another's place at once.
 constexpr double kSameIdCostLimit = 1.0;
 constexpr double kSameIdCostLimitPerGapFrame = 0.05;
@@ -140,6 +142,7 @@ class Tracker {
     Pose last;  ///< the latest position of every keypoint ever seen
     Vector2d velocity_px = Vector2d::Zero();
     int last_frame = 0;
+    double log_scale_rate = 0.0;  ///< how fast the size has changed lately, per frame
   };
 
   /// The track of each person in a frame; -1 for a new track.
@@ -222,7 +225,8 @@ class Tracker {
     const auto [distance, common] = Distance(track, prediction, pose);
     if (common == 0) return kImpossible;
     const double log_scale = std::abs(std::log(ScaleBetween(track.last, pose)));
-    if (log_scale > std::log(kLargestScale) + kLogScalePerGapFrame * (gap - 1)) return kImpossible;
+    const double per_gap_frame = std::max(kLogScalePerGapFrame, kScaleGoesOn * track.log_scale_rate);
+    if (log_scale > std::log(kLargestScale) + per_gap_frame * (gap - 1)) return kImpossible;
     const double missing_share = 1.0 - static_cast<double>(common) / std::max(pose.seen, track.last.seen);
     double cost = distance + 0.1 * missing_share + 0.1 * std::abs(std::log(pose.size_px / track.last.size_px));
     if (has_same_id) {
@@ -244,6 +248,7 @@ class Tracker {
 
   static void Continue(Track& track, int frame, int person, const Pose& pose) {
     const bool has_other_id = track.last.id && pose.id && *track.last.id != *pose.id;
+    const double log_scale = std::abs(std::log(ScaleBetween(track.last, pose))) / (frame - track.last_frame);
     const PersonTrack::Sighting sighting{frame, person, Distance(track, Predict(track, frame), pose).first,
                                          ScaleBetween(track.last, pose), has_other_id};
     Vector2d moved = Vector2d::Zero();
@@ -272,6 +277,7 @@ class Tracker {
     track.last.seen = pose.seen;
     if (pose.id) track.last.id = pose.id;
     track.last_frame = frame;
+    track.log_scale_rate = std::max(0.7 * track.log_scale_rate, log_scale);
     Record(track, sighting, pose);
   }
 

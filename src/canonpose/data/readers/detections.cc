@@ -186,10 +186,10 @@ void CameraBuilder::ReportLeftOut() const {
   const bool is_suspicious = std::any_of(left_out_.begin(), left_out_.end(), [](const fs::path& file) {
     return LowerExtension(file) == ".json" && LastNumber(file.filename().string()).has_value();
   });
-  const std::string text =
-      fmt::format("{}: {} in {} left out, without keypoints: {}", camera_.name,
-                  left_out_.size() == 1 ? "a file" : fmt::format("{} files", left_out_.size()),
-                  camera_.path + (left_out_.size() == 1 ? " is" : " are"), FirstAndCount(left_out_));
+  const bool is_one = left_out_.size() == 1;
+  const std::string text = fmt::format(
+      "{}: {} in {} {} left out: {}", camera_.name, is_one ? "a file" : fmt::format("{} files", left_out_.size()),
+      camera_.path, is_one ? "has no keypoints and is" : "have no keypoints and are", FirstAndCount(left_out_));
   if (is_suspicious) {
     LogWarning("{}", text);
   } else {

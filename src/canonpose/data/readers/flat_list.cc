@@ -181,9 +181,9 @@ std::vector<CameraInput> FindFileCameras(const fs::path& path, IsFrameFile is_fr
         {path.string(), "", "a JSON file for each camera", DescribeFolder(path), AdviseFolder(path, "check the path")});
   }
   if (!unknown.empty()) {
-    LogWarning("{} in {} left out, without keypoints: {}",
-               unknown.size() == 1 ? "a file" : fmt::format("{} files", unknown.size()),
-               path.string() + (unknown.size() == 1 ? " is" : " are"), FirstAndCount(unknown));
+    const bool is_one = unknown.size() == 1;
+    LogWarning("{} in {} {} left out: {}", is_one ? "a file" : fmt::format("{} files", unknown.size()), path.string(),
+               is_one ? "has no keypoints and is" : "have no keypoints and are", FirstAndCount(unknown));
   }
   return cameras;
 }

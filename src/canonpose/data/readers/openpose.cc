@@ -131,8 +131,9 @@ void LeaveOutFoldersWithoutFrames(std::vector<CameraInput>& cameras) {
   if (without.size() == cameras.size()) return;
   std::erase_if(without, [](const fs::path& folder) { return HasDetections(folder); });
   if (without.empty()) return;
-  LogWarning("{} left out, without keypoints: {}",
-             without.size() == 1 ? "a folder is" : fmt::format("{} folders are", without.size()),
+  LogWarning("{} left out: {}",
+             without.size() == 1 ? "a folder has no keypoints and is"
+                                 : fmt::format("{} folders have no keypoints and are", without.size()),
              FirstAndCount(without));
   std::erase_if(cameras, [&](const CameraInput& camera) {
     return std::find(without.begin(), without.end(), camera.path) != without.end();

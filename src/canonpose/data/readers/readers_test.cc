@@ -274,9 +274,10 @@ TEST(Formats, FilesWithoutKeypointsAreLeftOut) {
   WriteFileAtomically(folder / "cam/Thumbs.db", "x");
   WriteFileAtomically(folder / "cam/config.json", R"({"fps": 60})");
   WriteFileAtomically(folder / "cam/notes.json", "not JSON");
-  EXPECT_THAT(ReadLog("openpose", folder.path()),
-              AllOf(HasSubstr("cam: 4 files in "),
-                    HasSubstr(" are left out, without keypoints: config.json and 3 more"), Not(HasSubstr("warning"))));
+  EXPECT_THAT(
+      ReadLog("openpose", folder.path()),
+      AllOf(HasSubstr("cam: 4 files in "), HasSubstr(" have no keypoints and are left out: config.json and 3 more"),
+            Not(HasSubstr("warning"))));
   EXPECT_EQ(ReadAll("openpose", folder.path()).front().frames.size(), 3U);
   // What may be a frame is worth a warning, and what certainly is one is refused if it is damaged.
   WriteFileAtomically(folder / "cam/frame_7.json", R"({"error": 1})");
@@ -292,7 +293,7 @@ TEST(Formats, FilesOfOtherThingsAreNotCameras) {
   WriteFileAtomically(folder / "calibration.json", R"({"cameras": {}})");
   EXPECT_EQ(ReadAll("alphapose", folder.path()).size(), 2U);
   EXPECT_THAT(ReadLog("alphapose", folder.path()),
-              AllOf(HasSubstr("a file in "), HasSubstr(" is left out, without keypoints: reference3d.json")));
+              AllOf(HasSubstr("a file in "), HasSubstr(" has no keypoints and is left out: reference3d.json")));
   for (const char* name : {"left.json", "right.json"}) fs::remove(folder / name);
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("alphapose", folder.path()); }),
               AllOf(HasSubstr("reference3d.json: expected detections of people, found an object with pose3d, units")));
@@ -305,7 +306,8 @@ TEST(OpenPose, FoldersWithoutFramesAreLeftOut) {
     WriteFileAtomically(folder / name, OpenPoseFrame("1,2,0.5"));
   WriteFileAtomically(folder / "calib/cam_1.json", R"({"K": []})");
   EXPECT_EQ(ReadAll("openpose", folder.path()).size(), 2U);
-  EXPECT_THAT(ReadLog("openpose", folder.path()), HasSubstr("warning: a folder is left out, without keypoints: calib"));
+  EXPECT_THAT(ReadLog("openpose", folder.path()),
+              HasSubstr("warning: a folder has no keypoints and is left out: calib"));
   // A camera in another format must not get lost.
   WriteFileAtomically(folder / "calib/cam_1.json", R"([{"keypoints": [[1, 2]], "keypoint_scores": [0.5]}])");
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("openpose", folder.path()); }),

@@ -66,7 +66,7 @@ TEST(Json, NaNIsReadAsNull) {
               AllOf(HasSubstr("k[1]: expected a number, found null or NaN")));
   EXPECT_THAT(LoadError("[NaN, NaN, @]"), HasSubstr("line 1, column 12"));
   EXPECT_THAT(LoadError("[NaN, NaN, 1"), HasSubstr("found the end of the file"));
-  EXPECT_THAT(LoadError("[NaN, nano]"), HasSubstr("line 1, column 7"));
+  EXPECT_THAT(LoadError("[NaN, nano]"), HasSubstr("line 1, column 8"));
 }
 
 TEST(Json, NumbersThatAreNotFiniteAreNamed) {

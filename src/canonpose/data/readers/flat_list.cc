@@ -223,7 +223,7 @@ std::string DescribeFolder(const fs::path& folder) {
                        files.size() == 1 ? "" : std::string(kind.substr(kind.find(' ') + 1)) + "s",
                        FirstAndCount(files));
   }
-  return "no JSON file";
+  return kNoJsonFile;
 }
 
 std::string AdviseFolder(const fs::path& folder, const std::string& advice) {

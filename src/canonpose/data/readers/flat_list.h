@@ -35,7 +35,8 @@ std::vector<CameraInput> FindFileCameras(const std::filesystem::path& path, IsFr
 void ReadFrameFiles(const CameraInput& input, CameraBuilder& builder, bool (*read)(const JsonValue&, CameraBuilder&),
                     const std::string& expected);
 
-/// What is in a folder without JSON files: "an empty folder", "4 videos (cam1.mp4 and 3 more)", "no JSON file".
+/// What is in a folder without JSON files: "an empty folder", "4 videos (cam1.mp4 and 3 more)", or kNoJsonFile.
+inline constexpr const char* kNoJsonFile = "no JSON file";
 std::string DescribeFolder(const std::filesystem::path& folder);
 /// What to do about that; `advice` where nothing in particular.
 std::string AdviseFolder(const std::filesystem::path& folder, const std::string& advice);

@@ -152,7 +152,7 @@ std::string DetectFormat(const fs::path& path) {
     const std::string expected = "keypoints of " + DetectionFormatNames();
     if (!fs::is_directory(path, error)) FailFormat(JsonValue::Load(path), expected);
     std::string found = DescribeFolder(path);
-    if (found == "no JSON file") found = "none of these";
+    if (found == kNoJsonFile) found = "none of these";
     ThrowBadInput({path.string(), "", expected, found, AdviseFolder(path, "check the path")});
   }
   return format;

@@ -173,6 +173,11 @@ std::vector<CameraInput> FindOpenPoseCameras(const fs::path& path) {
     ThrowBadInput({path.string(), "", "one JSON file per frame, or a sub-folder of these for each camera",
                    DescribeFolder(path), AdviseFolder(path, kFolderAdvice)});
   }
+  // Videos beside, say, a calibration.
+  if (const std::string found = DescribeFolder(path); found != kNoJsonFile && !HasFrames(files)) {
+    ThrowBadInput({path.string(), "", "one JSON file per frame, or a sub-folder of these for each camera", found,
+                   AdviseFolder(path, kFolderAdvice)});
+  }
   return {{CameraNameOf(path), path}};
 }
 

@@ -342,6 +342,8 @@ TEST(Formats, VideosNeedADetector) {
                 HasSubstr("found 2 videos (cam1.mp4 and 1 more); run a 2D keypoint detector"))
         << format;
   }
+  WriteFileAtomically(folder / "calibration.json", R"({"cameras": {}})");
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("openpose", folder.path()); }), HasSubstr("found 2 videos"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { DetectFormat(folder / "cam1.mp4"); }), HasSubstr("found a video"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { DetectFormat(folder.path()); }), HasSubstr("found 2 videos"));
 }

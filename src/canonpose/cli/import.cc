@@ -28,7 +28,7 @@ struct ImportArguments {
   std::vector<std::string> cameras;      // NAME=PATH
   std::vector<std::string> image_sizes;  // WxH or NAME=WxH
   std::vector<std::string> people;       // N or NAME=N
-  std::string align = "order";
+  std::string align = "automatic";
   std::string calibration;
   std::string morph;
   std::string skeleton;  // empty: the format's usual one
@@ -75,7 +75,9 @@ ImportOptions ToOptions(const ImportArguments& arguments) {
   }
   options.calibration = arguments.calibration;
   if (!arguments.skeleton.empty()) options.skeleton = arguments.skeleton;
-  options.alignment = arguments.align == "frame-number" ? FrameAlignment::kFrameNumber : FrameAlignment::kOrder;
+  options.alignment = arguments.align == "frame-number" ? FrameAlignment::kFrameNumber
+                      : arguments.align == "order"      ? FrameAlignment::kOrder
+                                                        : FrameAlignment::kAutomatic;
   if (options.name.empty()) {
     options.name = std::filesystem::path(arguments.output).stem().string();
     if (options.name.empty() || options.name.front() == '.') options.name = "clip";
@@ -226,8 +228,11 @@ void AddImportCommand(CLI::App& app) {
                    "Whom to follow if several people are seen: 1 is the most prominent (default)")
       ->type_name("[NAME=]N")
       ->allow_extra_args(false);
-  command->add_option("--align", arguments->align, "Match the cameras' frames in order or by frame number")
-      ->check(CLI::IsMember({"order", "frame-number"}))
+  command
+      ->add_option("--align", arguments->align,
+                   "Match the cameras' frames by the numbers or times in their names, in order, or (automatic) in "
+                   "order only where the numbers have nothing in common")
+      ->check(CLI::IsMember({"automatic", "order", "frame-number"}))
       ->capture_default_str();
   command->add_option("--name", options.name, "Name of the sequence (default: the output's name)")->type_name("NAME");
   command->add_option("--subject", options.subject, "Name of the person (default: the sequence's name)")
@@ -236,7 +241,8 @@ void AddImportCommand(CLI::App& app) {
       ->add_option("--capture", options.capture,
                    "Recordings of one capture share their cameras (default: this one alone)")
       ->type_name("NAME");
-  command->add_option("--fps", options.fps, "Frames per second")->type_name("FPS");
+  command->add_option("--fps", options.fps, "Frames per second (default: from frames named by the time)")
+      ->type_name("FPS");
   command->add_flag("--moving", options.moving_cameras, "The cameras move");
   command->callback([arguments, command] { RunImport(*arguments, *command); });
 }

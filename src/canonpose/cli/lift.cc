@@ -97,7 +97,7 @@ LiftInput FromDetections(const LiftArguments& arguments, const PoseLifter& lifte
   if (!arguments.image_size.empty()) options.image_size = ParseImageSize(arguments.image_size);
   SingleCamera single = ReadSingleCamera(arguments.input, options);
   WarnOfOtherMorph(lifter.info(), single.source, arguments.input.string());
-  return {std::move(single.view), std::move(single.frame_numbers), 0.0};
+  return {std::move(single.view), std::move(single.frame_numbers), single.fps};
 }
 
 /// Refuses options that would be ignored.

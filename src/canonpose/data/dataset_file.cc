@@ -10,6 +10,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/hdf5.h"
 #include "canonpose/base/names.h"
+#include "canonpose/data/codecs/file_kind.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/scene/camera_file.h"
 #include "canonpose/scene/skeleton_file.h"
@@ -267,6 +268,10 @@ void CheckName(const std::filesystem::path& path, const std::string& name, const
 }  // namespace
 
 Dataset ReadDataset(const std::filesystem::path& path) {
+  if (KindOfFile(path) == "a video") {
+    ThrowBadInput({path.string(), "", "a dataset", "a video",
+                   "run a 2D keypoint detector on it, import what the detector writes, and give that dataset"});
+  }
   h5::File file = h5::File::OpenForReading(path);
   const h5::Group& root = file.root();
   CheckFormat(root);

@@ -463,5 +463,12 @@ TEST(DatasetFileTest, NamesThatCannotBeGroupsAreRefused) {
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { WriteDataset(folder / "a.h5", dataset); }), HasSubstr("two called"));
 }
 
+TEST(ReadDataset, AVideoNeedsADetector) {
+  const TemporaryFolder folder;
+  WriteFileAtomically(folder / "a.avi", "RIFF1234AVI LIST");
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadDataset(folder / "a.avi"); }),
+              HasSubstr("expected a dataset, found a video; run a 2D keypoint detector on it"));
+}
+
 }  // namespace
 }  // namespace canonpose

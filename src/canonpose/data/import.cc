@@ -10,10 +10,12 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/data/calibration_check.h"
+#include "canonpose/data/detection_cleaning.h"
 #include "canonpose/data/layout_check.h"
 #include "canonpose/data/person_tracking.h"
 #include "canonpose/data/readers/calibration.h"
@@ -187,12 +189,22 @@ void RefuseAbsurdConfidences(const DetectedCamera& camera) {
                  fmt::format("{:.6g}", largest), "correct or remove that detection, or run the detector again"});
 }
 
-KeypointClip ReadClip(const DetectionFormat& format, const CameraInput& input, int person) {
-  const DetectedCamera camera = format.read(input);
+/// Reads a camera and follows the person. Adds what the files have and is not read to `unused_parts`.
+KeypointClip ReadClip(const DetectionFormat& format, const CameraInput& input, int person,
+                      std::set<std::string>& unused_parts) {
+  DetectedCamera camera = format.read(input);
   RefuseAbsurdConfidences(camera);
+  MergeDuplicates(camera);
+  DropUselessTrackIds(camera);
+  unused_parts.insert(camera.unused_parts.begin(), camera.unused_parts.end());
   KeypointClip clip = FollowPerson(camera, person);
   RefuseFractions(clip);
   return clip;
+}
+
+void ReportUnusedParts(const std::set<std::string>& parts) {
+  if (parts.empty()) return;
+  LogInfo("the keypoints of {} are left out; only those of the body are read", fmt::join(parts, ", "));
 }
 
 void CheckKeypointCounts(const std::vector<KeypointClip>& clips) {
@@ -201,67 +213,6 @@ void CheckKeypointCounts(const std::vector<KeypointClip>& clips) {
     ThrowBadInput(
         {clip.path, "", fmt::format("{} keypoints as in camera {}", clips.front().keypoint_count, clips.front().name),
          fmt::format("{} in camera {}", clip.keypoint_count, clip.name), "all cameras must come from one detector"});
-  }
-}
-
-std::string RangeOf(const KeypointClip& clip) {
-  return fmt::format("{} has {} frames ({} to {})", clip.name, clip.frame_count(), clip.frame_numbers.front(),
-                     clip.frame_numbers.back());
-}
-
-void CheckSameCounts(const std::vector<KeypointClip>& clips) {
-  const KeypointClip& first = clips.front();
-  for (const KeypointClip& clip : clips) {
-    if (clip.frame_count() == first.frame_count()) continue;
-    ThrowBadInput({clip.path, "", "as many frames from every camera", RangeOf(first) + ", " + RangeOf(clip),
-                   "use `align` frame-number if equal numbers mean equal times, or cut the clips to the same frames"});
-  }
-  for (const KeypointClip& clip : clips) {
-    if (clip.frame_numbers == first.frame_numbers) continue;
-    LogWarning("frame numbers differ: {}, {}; frames are matched in order, unless `align` frame-number", RangeOf(first),
-               RangeOf(clip));
-    return;
-  }
-}
-
-/// The clip with its frames moved to the places of their numbers in `numbers`, which has all of them.
-KeypointClip Spread(const KeypointClip& clip, const std::vector<std::int64_t>& numbers) {
-  const auto count = static_cast<std::size_t>(clip.keypoint_count);
-  KeypointClip spread = clip;
-  spread.frame_numbers = numbers;
-  spread.keypoints.assign(numbers.size() * count * 2, std::numeric_limits<float>::quiet_NaN());
-  spread.confidence.assign(numbers.size() * count, 0.0F);
-  std::size_t to = 0;
-  for (std::size_t from = 0; from < clip.frame_numbers.size(); ++from) {
-    while (numbers[to] != clip.frame_numbers[from]) ++to;
-    std::copy_n(clip.keypoints.begin() + static_cast<std::ptrdiff_t>(from * count * 2), count * 2,
-                spread.keypoints.begin() + static_cast<std::ptrdiff_t>(to * count * 2));
-    std::copy_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(from * count), count,
-                spread.confidence.begin() + static_cast<std::ptrdiff_t>(to * count));
-  }
-  return spread;
-}
-
-void AlignByNumber(std::vector<KeypointClip>& clips) {
-  std::map<std::int64_t, int> cameras_with;
-  for (const KeypointClip& clip : clips) {
-    for (const std::int64_t number : clip.frame_numbers) ++cameras_with[number];
-  }
-  std::vector<std::int64_t> numbers;
-  bool has_common = false;
-  for (const auto& [number, count] : cameras_with) {
-    numbers.push_back(number);
-    has_common = has_common || count > 1;
-  }
-  if (!has_common) {
-    ThrowBadInput({clips[1].path, "", "frame numbers that another camera also has",
-                   RangeOf(clips[0]) + ", " + RangeOf(clips[1]),
-                   "leave out `align` frame-number if the frames match in order"});
-  }
-  for (KeypointClip& clip : clips) {
-    const std::size_t missing = numbers.size() - clip.frame_numbers.size();
-    if (missing > 0) LogInfo("{}: {} of {} frames missing", clip.name, missing, numbers.size());
-    clip = Spread(clip, numbers);
   }
 }
 
@@ -306,6 +257,12 @@ CameraView MapClip(const KeypointClip& clip, const LayoutMapping& mapping, doubl
   return view;
 }
 
+void WarnOfOtherRate(double given, double found) {
+  constexpr double kSame = 0.02;
+  if (given <= 0.0 || found <= 0.0 || std::abs(given - found) <= kSame * found) return;
+  LogWarning("`fps` is {:.5g}, but the times in the frames' names say {:.5g} frames per second", given, found);
+}
+
 LayoutMapping MappingTo(const Skeleton& layout, const std::string& skeleton) {
   if (skeleton == "native") return MapLayout(layout, layout);
   const Skeleton* target = FindSkeleton(skeleton);
@@ -318,10 +275,13 @@ LayoutMapping MappingTo(const Skeleton& layout, const std::string& skeleton) {
 std::vector<KeypointClip> ReadClips(const ImportOptions& options, const DetectionFormat& format,
                                     const std::vector<CameraInput>& cameras) {
   std::vector<KeypointClip> clips;
+  std::set<std::string> unused_parts;
   for (const CameraInput& camera : cameras) {
     const auto person = options.camera_person.find(camera.name);
-    clips.push_back(ReadClip(format, camera, person == options.camera_person.end() ? options.person : person->second));
+    clips.push_back(ReadClip(format, camera, person == options.camera_person.end() ? options.person : person->second,
+                             unused_parts));
   }
+  ReportUnusedParts(unused_parts);
   return clips;
 }
 
@@ -366,11 +326,7 @@ Dataset ImportDetections(const ImportOptions& options) {
   std::vector<KeypointClip> clips = ReadClips(options, format, cameras);
   CheckKeypointCounts(clips);
   const Skeleton& layout = CheckLayout(clips, options.layout);
-  if (options.alignment == FrameAlignment::kFrameNumber) {
-    AlignByNumber(clips);
-  } else {
-    CheckSameCounts(clips);
-  }
+  const double fps = AlignFrames(clips, options.alignment);
   RefuseIdenticalClips(clips);
   const LayoutMapping mapping = MappingTo(layout, options.skeleton);
   const double scale = ConfidenceScale(clips);
@@ -382,7 +338,8 @@ Dataset ImportDetections(const ImportOptions& options) {
   Sequence sequence;
   sequence.name = options.name;
   sequence.subject = options.subject.empty() ? options.name : options.subject;
-  sequence.fps = options.fps;
+  sequence.fps = options.fps > 0.0 ? options.fps : fps;
+  WarnOfOtherRate(options.fps, fps);
   sequence.static_cameras = !options.moving_cameras;
   sequence.frame_count = clips.front().frame_count();
   for (std::size_t i = 0; i < clips.size(); ++i) {
@@ -415,12 +372,15 @@ SingleCamera ReadSingleCamera(const fs::path& path, const SingleCameraOptions& o
                    (is_one ? "the camera " : "the cameras ") + names,
                    is_one ? "leave out `camera`, or give its name" : "choose one with `camera` NAME"});
   }
-  std::vector<KeypointClip> clips{ReadClip(format, cameras.front(), options.person)};
+  std::set<std::string> unused_parts;
+  std::vector<KeypointClip> clips{ReadClip(format, cameras.front(), options.person, unused_parts)};
+  ReportUnusedParts(unused_parts);
   const Skeleton& layout = CheckLayout(clips, options.layout);
   const bool is_native = options.skeleton.joints.empty();
   const LayoutMapping mapping = MapLayout(layout, is_native ? layout : options.skeleton);
   const double scale = options.confidence_scale > 0.0 ? options.confidence_scale : ConfidenceScale(clips);
   SingleCamera single;
+  single.fps = CountFrames(clips.front());
   single.view = MapClip(clips.front(), mapping, scale);
   single.view.image_size = options.image_size;
   if (options.image_size[0] > 0) WarnOfKeypointsOutside(clips.front(), options.image_size);

@@ -10,15 +10,10 @@
 #include <vector>
 
 #include "canonpose/data/dataset.h"
+#include "canonpose/data/frame_alignment.h"
 #include "canonpose/data/readers/detections.h"
 
 namespace canonpose {
-
-/// How the frames of several cameras are matched.
-enum class FrameAlignment {
-  kOrder,        ///< the n-th frames of all; all must have as many
-  kFrameNumber,  ///< by frame number; frames that a camera lacks are missing in its view
-};
 
 struct ImportOptions {
   std::string format;                        ///< "openpose", "alphapose", "mmpose" or "coco"
@@ -31,12 +26,12 @@ struct ImportOptions {
   std::array<int, 2> image_size{0, 0};       ///< width, height in pixels of all cameras; 0: from `calibration`
   std::map<std::string, std::array<int, 2>> camera_image_size;  ///< the same for single cameras
   std::filesystem::path calibration;                            ///< JSON with the cameras by name; empty: none
-  FrameAlignment alignment = FrameAlignment::kOrder;
+  FrameAlignment alignment = FrameAlignment::kAutomatic;
   std::string name = "clip";  ///< of the sequence
   std::string subject;        ///< empty: the sequence's name
   /// Empty: the name and a hash of the keypoints, so that no two imports accidentally share cameras.
   std::string capture;
-  double fps = 0.0;  ///< 0: unknown
+  double fps = 0.0;  ///< 0: from the names of the frames where these are times, otherwise unknown
   bool moving_cameras = false;
 
   /// Throws Error(kInvalidArgument).
@@ -61,6 +56,7 @@ struct SingleCameraOptions {
 struct SingleCamera {
   CameraView view;
   std::vector<std::int64_t> frame_numbers;  ///< (T)
+  double fps = 0.0;                         ///< from the names of the frames where these are times; 0: unknown
   Skeleton skeleton;                        ///< of the view
   DatasetSource source;                     ///< how it was read
 };

@@ -17,6 +17,7 @@ namespace canonpose {
 namespace {
 
 using ::testing::AllOf;
+using testing::CollectedMessages;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -143,14 +144,11 @@ TEST(TrackPeople, TrackIdsLinkDetectionsThatDistanceDoesNot) {
   EXPECT_EQ(TrackPeople(scene.camera).size(), 2U);
 }
 
-/// What following the most prominent person writes to the log.
+/// The messages of following the most prominent person.
 std::string FollowLog(const Scene& scene) {
-  const TemporaryFolder folder;
-  {
-    const LogFile log(folder / "log");
-    FollowPerson(scene.camera, 1);
-  }
-  return ReadFile(folder / "log");
+  const CollectedMessages messages;
+  FollowPerson(scene.camera, 1);
+  return messages.text();
 }
 
 TEST(TrackPeople, ALonePersonReturnsAfterALongAbsence) {
@@ -199,6 +197,42 @@ TEST(TrackPeople, AFalseDetectionIsNotTakenForThePersonReturning) {
                                 [](int t, int p) { return (p == 0) == (t < 150) ? 300.0 + 100.0 * p : std::nan(""); });
   EXPECT_EQ(TrackPeople(scene.camera).size(), 2U);
   EXPECT_THAT(FollowLog(scene), Not(HasSubstr("lost")));
+}
+
+TEST(TrackPeople, SomebodyElseInAnAbsenceIsNotThePerson) {
+  // At the same place but of another size; at the same size but elsewhere.
+  for (const auto& [height, x] : {std::pair(210.0, 300.0), std::pair(420.0, 900.0)}) {
+    const Scene scene = MakeScene(200, {400, height}, {0.8, 0.8}, [x = x](int t, int p) {
+      if (p == 0) return t >= 80 && t < 130 ? std::nan("") : 300.0;
+      return t >= 85 && t < 125 ? x : std::nan("");
+    });
+    const std::vector<PersonTrack> tracks = TrackPeople(scene.camera);
+    ASSERT_EQ(tracks.size(), 2U) << height;
+    EXPECT_EQ(CountPeople(scene, tracks[0]), (std::array<int, 2>{150, 0})) << height;
+    EXPECT_THAT(FollowLog(scene),
+                AllOf(HasSubstr("cam: the person followed is away while somebody else is seen (frames "
+                                "85 to 124)"),
+                      Not(HasSubstr("suddenly"))));
+  }
+}
+
+TEST(TrackPeople, SomebodyElseForGoodIsNotThePerson) {
+  const Scene scene = MakeScene(200, {400, 400}, {0.8, 0.8},
+                                [](int t, int p) { return (p == 0) == (t < 120) ? 300.0 + 900.0 * p : std::nan(""); });
+  EXPECT_EQ(TrackPeople(scene.camera).size(), 2U);
+  EXPECT_THAT(FollowLog(scene), HasSubstr("warning: cam: 80 frames (120 to 199) are lost"));
+}
+
+TEST(TrackPeople, AJumpIsReported) {
+  const auto scene_with = [](double jump, int absent) {
+    return MakeScene(100, {400}, {0.8}, [=](int t, int) {
+      return t >= 50 && t < 50 + absent ? std::nan("") : 300.0 + t + (t < 50 ? 0.0 : jump);
+    });
+  };
+  EXPECT_THAT(FollowLog(scene_with(190.0, 0)), HasSubstr("warning: cam: at frame 50 the person followed is suddenly"));
+  EXPECT_THAT(FollowLog(scene_with(200.0, 5)), HasSubstr("at frame 55"));
+  EXPECT_THAT(FollowLog(scene_with(0.0, 5)), Not(HasSubstr("suddenly")));
+  EXPECT_THAT(FollowLog(scene_with(60.0, 5)), Not(HasSubstr("suddenly")));
 }
 
 TEST(FollowPerson, TakesTheMostProminentOrTheRequestedPerson) {

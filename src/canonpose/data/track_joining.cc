@@ -21,9 +21,14 @@ constexpr double kSameFactor = 2.5;
 /// Another track counts as a person above these fractions of the lesser part's prominence, per frame and in total.
 constexpr double kRivalShareOfFrame = 0.4;
 constexpr double kRivalShareOfAll = 0.1;
-/// How far a person can get, in person sizes: immediately, and per frame.
-constexpr double kReach = 2.0;
+/// From one frame to the next a person's size changes by less than the first factor, and by the second one for each
+/// frame more.
+constexpr double kLargestReturnScale = 1.4;
+constexpr double kLogScalePerFrame = 0.03;
+/// How far a person can get, in person sizes: immediately, and per frame; or in multiples of the usual way per frame.
+constexpr double kReach = 0.5;
 constexpr double kReachPerFrame = 0.1;
+constexpr double kReachInSteps = 3.0;
 /// With other people present: the same place and size, and every alternative is farther away by at least this factor.
 constexpr double kSamePlace = 0.75;
 constexpr double kSameSizeFactor = 1.3;
@@ -42,6 +47,7 @@ struct Part {
   int last = 0;
   double prominence = 0.0;
   double prominence_per_frame = 0.0;
+  double step = 0.0;  ///< mean way from one sighting to the next frame's, in person sizes
   End begin;
   End end;
 };
@@ -66,6 +72,19 @@ End MeanBox(const DetectedCamera& camera, const PersonTrack& track, std::size_t 
   return mean;
 }
 
+double MeanStep(const DetectedCamera& camera, const PersonTrack& track) {
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t i = 1; i < track.sightings.size(); ++i) {
+    if (track.sightings[i].frame != track.sightings[i - 1].frame + 1) continue;
+    const End earlier = MeanBox(camera, track, i - 1, 1);
+    const End later = MeanBox(camera, track, i, 1);
+    sum += (later.place_px - earlier.place_px).norm() / std::max(earlier.size_px, later.size_px);
+    ++count;
+  }
+  return count > 0 ? sum / count : 0.0;
+}
+
 Part MakePart(const DetectedCamera& camera, const PersonTrack& track) {
   const std::size_t seen = track.sightings.size();
   const std::size_t count = std::min(kEndSightings, seen);
@@ -74,6 +93,7 @@ Part MakePart(const DetectedCamera& camera, const PersonTrack& track) {
   part.last = track.sightings.back().frame;
   part.prominence = track.prominence;
   part.prominence_per_frame = track.prominence / static_cast<double>(seen);
+  part.step = MeanStep(camera, track);
   part.begin = MeanBox(camera, track, 0, count);
   part.end = MeanBox(camera, track, seen - count, count);
   return part;
@@ -94,9 +114,12 @@ double Distance(const Part& earlier, const Part& later) {
 
 /// Whether `later` could be the same person as `earlier`, who has returned.
 bool IsPossible(const Part& earlier, const Part& later) {
-  return earlier.last < later.first && AreComparable(earlier, later) &&
-         Factor(earlier.end.size_px, later.begin.size_px) < kSameFactor &&
-         Distance(earlier, later) < kReach + kReachPerFrame * (later.first - earlier.last);
+  const int gap = later.first - earlier.last;
+  const double largest_factor = std::min(kSameFactor, kLargestReturnScale * std::exp(kLogScalePerFrame * gap));
+  const double reach_per_frame = std::max(kReachPerFrame, kReachInSteps * std::max(earlier.step, later.step));
+  return gap > 0 && AreComparable(earlier, later) &&
+         Factor(earlier.end.size_px, later.begin.size_px) < largest_factor &&
+         Distance(earlier, later) < kReach + reach_per_frame * gap;
 }
 
 bool HasRival(const std::vector<Part>& parts, std::size_t a, std::size_t b) {

@@ -16,6 +16,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/names.h"
+#include "canonpose/skeleton/joint_names.h"
 
 namespace canonpose {
 namespace {
@@ -48,10 +49,9 @@ constexpr double kBigToeInside = 0.010;
 constexpr double kSmallToeOutside = 0.032;
 constexpr double kSmallToeBehindTip = 0.022;
 
-/// A name in lower case, without punctuation and any prefix before a colon, and with its side first:
-/// "mixamorig:LeftUpLeg", "upleg.L" and "l_up_leg" all become "lupleg".
+/// A name in lower case, without punctuation, and with its side first: "LeftUpLeg", "upleg.L" and "l_up_leg" all become
+/// "lupleg".
 std::string PlainName(std::string_view name) {
-  if (const std::size_t colon = name.rfind(':'); colon != std::string_view::npos) name.remove_prefix(colon + 1);
   std::string side;
   if (name.size() > 2 && std::string_view("._- ").find(name[name.size() - 2]) != std::string_view::npos) {
     const char last = static_cast<char>(std::tolower(static_cast<unsigned char>(name.back())));
@@ -70,27 +70,16 @@ std::string PlainName(std::string_view name) {
   return plain;
 }
 
-/// The length of the common prefix of the joints' names, such as "Character1_" or "Bip01 ".
-std::size_t CommonPrefix(const std::vector<MotionJoint>& joints) {
-  std::size_t length = std::string::npos;
-  const std::string& first = joints.back().name;
-  for (std::size_t j = 1; j < joints.size(); ++j) {  // the root may have another name, such as "Bip01"
-    const std::string& name = joints[j].name;
-    const auto [end, ignored] = std::mismatch(name.begin(), name.end(), first.begin(), first.end());
-    length = std::min(length, static_cast<std::size_t>(end - name.begin()));
-  }
-  return joints.size() > 3 && length != std::string::npos && length >= 3 ? length : 0;
-}
-
 class JointFinder {
  public:
   explicit JointFinder(const std::vector<MotionJoint>& joints) {
-    const std::size_t prefix = CommonPrefix(joints);
-    for (std::size_t j = 0; j < joints.size(); ++j) {
-      const std::string& name = joints[j].name;
-      plain_.emplace(PlainName(name.size() > prefix && j > 0 ? std::string_view(name).substr(prefix) : name),
-                     static_cast<int>(j));
-      exact_.emplace(name, static_cast<int>(j));
+    std::vector<std::string> names;
+    names.reserve(joints.size());
+    for (const MotionJoint& joint : joints) names.push_back(joint.name);
+    names = WithoutPrefix(names);
+    for (std::size_t j = 0; j < names.size(); ++j) {
+      plain_.emplace(PlainName(names[j]), static_cast<int>(j));
+      exact_.emplace(names[j], static_cast<int>(j));
     }
   }
   /// The joint with the first of these names that exists; -1 if none does.
@@ -101,6 +90,7 @@ class JointFinder {
     }
     return -1;
   }
+  /// The joint of exactly this name, apart from a prefix; -1 if there is none.
   [[nodiscard]] int Exactly(const std::string& name) const {
     const auto found = exact_.find(name);
     return found == exact_.end() ? -1 : found->second;
@@ -388,6 +378,14 @@ double StatureByLegs(const std::vector<MotionJoint>& joints) {
     length += ((at(side.hip) - at(side.knee)).norm() + (at(side.knee) - at(side.ankle)).norm()) / 2.0;
   }
   return length / kHipToAnkle;
+}
+
+std::optional<UprightJoints> FindUprightJoints(const std::vector<MotionJoint>& joints) {
+  const JointFinder finder(joints);
+  const UprightJoints found = {finder.Find({"head", "skull"}), FindSide(finder, "l").ankle,
+                               FindSide(finder, "r").ankle};
+  if (found.head < 0 || found.left_ankle < 0 || found.right_ankle < 0) return std::nullopt;
+  return found;
 }
 
 LandmarkTrack MakeLandmarkTrack(const ArticulatedMotion& motion, const std::string& file) {

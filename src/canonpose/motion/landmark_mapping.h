@@ -1,6 +1,7 @@
 // From the joints of a motion, recognised by their names, to the landmarks of a body.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,5 +27,15 @@ LandmarkTrack MakeLandmarkTrack(const ArticulatedMotion& motion, const std::stri
 /// The stature of a body whose hips, knees and ankles are found by name, from the length of its legs (mm, or the unit
 /// of the offsets); 0 where they are not found.
 double StatureByLegs(const std::vector<MotionJoint>& joints);
+
+/// The joints that show which way up a body is.
+struct UprightJoints {
+  int head = -1;
+  int left_ankle = -1;
+  int right_ankle = -1;
+};
+
+/// Nothing where one of them is not found by its name.
+std::optional<UprightJoints> FindUprightJoints(const std::vector<MotionJoint>& joints);
 
 }  // namespace canonpose

@@ -185,6 +185,15 @@ TEST(LandmarkMapping, OurOwnNamesMeanTheLandmarks) {
   }
   EXPECT_LT((track.At(0, kRHeel) - Vector3d(-90, 65, 10)).norm(), 25.0);
   EXPECT_LT((track.At(0, kLEye) - Vector3d(32, -80, 1638)).norm(), 30.0);
+  // A prefix changes nothing.
+  for (const char* prefix : {"mixamorig:", "Character1_"}) {
+    ArticulatedMotion prefixed = motion;
+    for (MotionJoint& joint : prefixed.joints) joint.name = prefix + joint.name;
+    const LandmarkTrack same = MakeLandmarkTrack(prefixed, "prefixed");
+    for (int landmark = 0; landmark < kLandmarkCount; ++landmark) {
+      EXPECT_EQ(same.At(0, landmark), track.At(0, landmark)) << prefix << LandmarkSkeleton().joints[landmark];
+    }
+  }
 }
 
 TEST(LandmarkMapping, TheFaceTurnsWithTheHeadAndTheToesWithTheFoot) {

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "canonpose/base/callbacks.h"
 #include "canonpose/base/error.h"
 #include "canonpose/base/hash.h"
 #include "canonpose/base/random.h"
@@ -295,8 +296,12 @@ ClipStream::ClipStream(const Simulator& simulator, int threads)
 
 void ClipStream::Refill() {
   while (pending_.size() < ahead_ && started_ < simulator_.clip_count()) {
-    pending_.push_back(
-        std::async(std::launch::async, [&simulator = simulator_, clip = started_] { return simulator.Make(clip); }));
+    // What a reader has to say about a file reaches the caller.
+    pending_.push_back(std::async(std::launch::async,
+                                  [&simulator = simulator_, clip = started_, context = internal::CurrentContext()] {
+                                    const internal::ContextOfThread adopted(context);
+                                    return simulator.Make(clip);
+                                  }));
     ++started_;
   }
 }

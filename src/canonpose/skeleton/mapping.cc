@@ -11,6 +11,8 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/names.h"
+#include "canonpose/skeleton/joint_names.h"
 
 namespace canonpose {
 namespace {
@@ -74,10 +76,18 @@ std::string PartOf(std::string_view joint) {
   return "";
 }
 
+/// The index of a name, ignoring case.
+std::optional<int> FindName(const std::vector<std::string>& names, std::string_view name) {
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    if (SameName(names[j], name)) return static_cast<int>(j);
+  }
+  return std::nullopt;
+}
+
 /// Finds parts of the body in a layout, and derives those it lacks by the field's convention.
 class PartFinder {
  public:
-  explicit PartFinder(const Skeleton& layout) : layout_(layout) {}
+  explicit PartFinder(const Skeleton& layout) : names_(WithoutPrefix(layout.joints)) {}
 
   /// The joints whose mean is the part; empty where the layout lacks them.
   [[nodiscard]] std::vector<int> Make(const std::string& part) const {
@@ -92,7 +102,7 @@ class PartFinder {
     }
     // MPI-INF-3DHP has the centre of the head and its top; the centre is used as the nose.
     if (part == "nose") {
-      const std::optional<int> head = layout_.Find("head");
+      const std::optional<int> head = FindName(names_, "head");
       if (head && Own("headtop") != head) return {*head};
     }
     return {};
@@ -105,8 +115,8 @@ class PartFinder {
       if (row.sided ? part != "l" + name && part != "r" + name : part != name) continue;
       for (const std::string_view alias : row.aliases) {
         const std::string wanted = (row.sided ? part.substr(0, 1) : "") + std::string(alias);
-        for (int j = 0; j < layout_.joint_count(); ++j) {
-          if (PlainName(layout_.joints[static_cast<std::size_t>(j)]) == wanted) return j;
+        for (std::size_t j = 0; j < names_.size(); ++j) {
+          if (PlainName(names_[j]) == wanted) return static_cast<int>(j);
         }
       }
     }
@@ -124,14 +134,13 @@ class PartFinder {
     return joints;
   }
 
-  const Skeleton& layout_;
+  std::vector<std::string> names_;
 };
 
-/// Whether both have joints of the same names, in any order.
-bool SameNames(const Skeleton& a, const Skeleton& b) {
-  return a.joint_count() == b.joint_count() &&
-         std::all_of(a.joints.begin(), a.joints.end(),
-                     [&](const std::string& joint) { return b.Find(joint).has_value(); });
+/// Whether both have the same names, in any order.
+bool AreSameNames(const std::vector<std::string>& a, const std::vector<std::string>& b) {
+  return a.size() == b.size() &&
+         std::all_of(a.begin(), a.end(), [&](const std::string& name) { return FindName(b, name).has_value(); });
 }
 
 }  // namespace
@@ -164,12 +173,14 @@ std::optional<int> FindPart(const Skeleton& layout, std::string_view part) {
 LayoutMapping MapAvailableJoints(const Skeleton& source, const Skeleton& target) {
   LayoutMapping mapping{source, target, {}};
   const PartFinder finder(source);
-  const bool same = SameNames(source, target);
-  for (const std::string& joint : target.joints) {
+  const std::vector<std::string> source_names = WithoutPrefix(source.joints);
+  const std::vector<std::string> target_names = WithoutPrefix(target.joints);
+  const bool same = AreSameNames(source_names, target_names);
+  for (const std::string& joint : target_names) {
     JointSource made;
     if (!same) made.sources = finder.Make(PartOf(joint));
     if (made.sources.empty()) {
-      if (const std::optional<int> exact = source.Find(joint)) made.sources = {*exact};
+      if (const std::optional<int> exact = FindName(source_names, joint)) made.sources = {*exact};
     }
     mapping.joints.push_back(std::move(made));
   }

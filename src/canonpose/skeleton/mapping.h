@@ -36,11 +36,11 @@ struct LayoutMapping {
 /// where the layout has none.
 std::optional<int> FindPart(const Skeleton& layout, std::string_view part);
 
-/// Maps joints by the part of the body that they are (their names and aliases). Joints that a detector lacks are made
-/// by the field's convention: pelvis = middle of the hips, thorax = middle of the shoulders (even if there is a neck,
-/// which lies higher), spine = mean of hips and shoulders, head = middle of the eyes (of the ears if there are no
-/// eyes). Where both layouts have the same names, every joint is a copy. Throws Error(kBadInput) that names the joints
-/// that cannot be made.
+/// Maps joints by the part of the body that they are (their names and aliases, without a prefix: WithoutPrefix()).
+/// Joints that a detector lacks are made by the field's convention: pelvis = middle of the hips, thorax = middle of the
+/// shoulders (even if there is a neck, which lies higher), spine = mean of hips and shoulders, head = middle of the
+/// eyes (of the ears if there are no eyes). Where both layouts have the same names, every joint is a copy. Throws
+/// Error(kBadInput) that names the joints that cannot be made.
 LayoutMapping MapLayout(const Skeleton& source, const Skeleton& target);
 
 /// The same, but joints that cannot be made have no sources and are therefore always missing.

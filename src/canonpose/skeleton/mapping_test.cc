@@ -48,6 +48,24 @@ TEST(MappingTest, FollowsTheConventionOfTheField) {
   EXPECT_EQ(Described("canonpose-16", "h36m-17", "Hip"), "root");
 }
 
+TEST(MappingTest, APrefixDoesNotMatter) {
+  for (const Skeleton& source : BuiltinSkeletons()) {
+    for (const char* prefix : {"mixamorig:", "Character1_", "Armature|"}) {
+      Skeleton prefixed = source;
+      for (std::string& joint : prefixed.joints) joint = prefix + joint;
+      const LayoutMapping plain = MapLayout(source, *FindSkeleton("h36m-17"));
+      const LayoutMapping mapping = MapLayout(prefixed, *FindSkeleton("h36m-17"));
+      const LayoutMapping back = MapAvailableJoints(*FindSkeleton("h36m-17"), prefixed);
+      const LayoutMapping plain_back = MapAvailableJoints(*FindSkeleton("h36m-17"), source);
+      for (std::size_t j = 0; j < plain.joints.size(); ++j)
+        EXPECT_EQ(mapping.joints[j].sources, plain.joints[j].sources);
+      for (std::size_t j = 0; j < back.joints.size(); ++j)
+        EXPECT_EQ(back.joints[j].sources, plain_back.joints[j].sources);
+      EXPECT_EQ(FindPart(prefixed, "lknee"), FindPart(source, "lknee"));
+    }
+  }
+}
+
 TEST(MappingTest, MidEarsWhereThereAreNoEyes) {
   Skeleton source = *FindSkeleton("coco-17");
   source.joints[1] = "Whisker1";

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -11,6 +12,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
+#include "canonpose/data/codecs/file_kind.h"
 
 namespace canonpose {
 namespace {
@@ -21,6 +23,8 @@ constexpr const char* kNotFiniteAdvice =
     "the file says that the detector failed there; write missing joints as 0 with confidence 0";
 /// No pixel coordinate and no length in mm is anywhere near this large.
 constexpr double kLargestNumber = 1e9;
+/// Lists of keys in messages are cut off here.
+constexpr std::size_t kLongestKeys = 120;
 
 bool IsWordCharacter(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '+' || c == '-' || c == '.';
@@ -39,6 +43,42 @@ bool IsNotFinite(std::string word) {
   if (!word.empty() && (word.front() == '-' || word.front() == '+')) word.erase(0, 1);
   std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::tolower(c); });
   return word.starts_with("nan") || word == "inf" || word == "infinity";
+}
+
+bool IsNaN(const std::string& word) { return IsNotFinite(word) && word.find_first_of("fF") == std::string::npos; }
+
+/// A text in which each NaN outside of strings is replaced by null.
+struct WithoutNaN {
+  std::string text;
+  std::vector<std::size_t> added;  ///< positions in `text` of the bytes that a replacement made it longer by, ascending
+
+  /// Where a position of `text` is in the original.
+  [[nodiscard]] std::size_t Original(std::size_t position) const {
+    return position - static_cast<std::size_t>(std::lower_bound(added.begin(), added.end(), position) - added.begin());
+  }
+};
+
+WithoutNaN ReplaceNaN(std::string_view text) {
+  WithoutNaN result;
+  result.text.reserve(text.size() + text.size() / 16);
+  bool is_in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    const bool is_word =
+        !is_in_string && (c == 'N' || c == 'n' || c == '-' || c == '+') && (i == 0 || !IsWordCharacter(text[i - 1]));
+    const std::string word = is_word ? WordAt(text, i) : "";
+    const std::size_t sign = word.starts_with('-') || word.starts_with('+') ? 1 : 0;
+    if (word.size() == sign + 3 && IsNaN(word)) {
+      result.text += "null";
+      if (sign == 0) result.added.push_back(result.text.size() - 1);
+      i += word.size() - 1;
+      continue;
+    }
+    result.text += c;
+    if (c == '"') is_in_string = !is_in_string;
+    if (c == '\\' && is_in_string && i + 1 < text.size()) result.text += text[++i];
+  }
+  return result;
 }
 
 /// One step of the path to a place in a text: the index in an array, or the key in an object.
@@ -126,17 +166,32 @@ JsonValue::JsonValue(std::shared_ptr<const Document> document, const Json* value
     : document_(std::move(document)), value_(value), place_(std::move(place)) {}
 
 JsonValue JsonValue::Load(const std::filesystem::path& path) {
+  // A video may be too large to be read as a whole.
+  if (const std::string kind = KindOfFile(path); !kind.empty())
+    ThrowBadInput({path.string(), "", "JSON", kind, AdviceForKind(kind)});
   const std::string text = ReadFile(path);
   auto document = std::make_shared<Document>();
   document->file = path.string();
-  try {
-    document->root = Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    ThrowSyntaxError(document->file, text, error.byte);
-  } catch (const Json::out_of_range& error) {
-    ThrowOverflow(document->file, text, error.what());
-  } catch (const Json::exception& error) {
-    ThrowBadInput({document->file, "", "JSON", error.what(), "export it again"});
+  const auto parse = [&](const std::string& valid, const WithoutNaN* without_nan) {
+    try {
+      document->root = Json::parse(valid);
+      return true;
+    } catch (const Json::parse_error& error) {
+      if (without_nan == nullptr) return false;
+      // The parser counts from 1, and the end of the text as another byte.
+      const bool is_end = error.byte > valid.size();
+      ThrowSyntaxError(document->file, text,
+                       is_end ? text.size() + 1 : without_nan->Original(std::max<std::size_t>(error.byte, 1) - 1) + 1);
+    } catch (const Json::out_of_range& error) {
+      ThrowOverflow(document->file, text, error.what());
+    } catch (const Json::exception& error) {
+      ThrowBadInput({document->file, "", "JSON", error.what(), "export it again"});
+    }
+  };
+  if (!parse(text, nullptr)) {
+    const WithoutNaN without_nan = ReplaceNaN(text);
+    parse(without_nan.text, &without_nan);
+    document->has_nan = true;
   }
   const Json* root = &document->root;
   return {std::move(document), root, ""};
@@ -153,10 +208,8 @@ JsonValue JsonValue::operator[](const std::string& key) const {
   if (!value_->is_object()) Fail(fmt::format("an object with {}", key));
   const auto member = value_->find(key);
   if (member == value_->end()) {
-    std::string keys;
-    for (const auto& item : value_->items()) keys += (keys.empty() ? "" : ", ") + item.key();
-    if (keys.size() > 120) keys = keys.substr(0, 120) + "...";
-    Fail(fmt::format("an object with {}", key), "", keys.empty() ? "an empty object" : "one with " + keys);
+    const std::string found = DescribeStructure();
+    Fail(fmt::format("an object with {}", key), "", value_->empty() ? found : "one with" + found.substr(14));
   }
   return {document_, &*member, place_.empty() ? key : place_ + "." + key};
 }
@@ -212,6 +265,21 @@ std::vector<double> JsonValue::Numbers() const {
   return numbers;
 }
 
+std::vector<double> JsonValue::NumbersOrNaN() const {
+  const std::size_t count = ArraySize();
+  std::vector<double> numbers(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Json& element = (*value_)[i];
+    if (element.is_null() || (element.is_string() && IsNaN(element.get<std::string>()))) {
+      numbers[i] = std::numeric_limits<double>::quiet_NaN();
+      continue;
+    }
+    const double number = element.is_number() ? element.get<double>() : kLargestNumber * 2.0;
+    numbers[i] = std::abs(number) <= kLargestNumber ? number : At(i).Number();
+  }
+  return numbers;
+}
+
 std::string JsonValue::String() const {
   if (!value_->is_string()) Fail("a string");
   return value_->get<std::string>();
@@ -227,9 +295,24 @@ std::string JsonValue::Describe() const {
       const auto text = value_->get<std::string>();
       return fmt::format("the string \"{}\"", text.size() > 40 ? text.substr(0, 40) + "..." : text);
     }
+    case Json::value_t::null:
+      return document_->has_nan ? "null or NaN" : "null";
     default:
       return value_->dump();
   }
+}
+
+std::string JsonValue::DescribeStructure() const {
+  const auto with_keys = [](const Json& object) {
+    std::string keys;
+    for (const auto& item : object.items()) keys += (keys.empty() ? "" : ", ") + item.key();
+    return keys.size() > kLongestKeys ? keys.substr(0, kLongestKeys) + "..." : keys;
+  };
+  if (value_->is_object()) return value_->empty() ? "an empty object" : "an object with " + with_keys(*value_);
+  if (!value_->is_array() || value_->empty() || !value_->front().is_object() || value_->front().empty())
+    return Describe();
+  return fmt::format("an array of {} object{} with {}", value_->size(), value_->size() == 1 ? "" : "s",
+                     with_keys(value_->front()));
 }
 
 void JsonValue::Fail(const std::string& expected, const std::string& advice, const std::string& found) const {

@@ -17,8 +17,10 @@ namespace canonpose {
 /// A value of a parsed JSON file with its place, "people[0].pose_keypoints_2d". Cheap to copy; keeps the file alive.
 class JsonValue {
  public:
-  /// Reads and parses a file. Throws Error(kBadInput) where it cannot be read, is cut off, or contains what JSON does
-  /// not allow; NaN, Infinity and numbers too large for a double get their own message.
+  /// Reads and parses a file. NaN, which JSON does not allow but Python writes, is read as null. Throws
+  /// Error(kBadInput) where the file cannot be read, is cut off, or contains something else that JSON does not allow.
+  /// Infinity and numbers too large for a double get their own message, and so do videos, images and other files of a
+  /// known kind.
   static JsonValue Load(const std::filesystem::path& path);
 
   [[nodiscard]] const std::string& file() const { return document_->file; }
@@ -30,6 +32,9 @@ class JsonValue {
   /// The member, if this is an object that has it and it is not null.
   [[nodiscard]] std::optional<JsonValue> Find(const std::string& key) const;
   [[nodiscard]] bool Has(const std::string& key) const { return Find(key).has_value(); }
+  /// Whether this is an object with that member, even if it is null.
+  [[nodiscard]] bool Contains(const std::string& key) const { return value_->is_object() && value_->contains(key); }
+  [[nodiscard]] bool IsNull() const { return value_->is_null(); }
   /// Number of elements; throws Error(kBadInput) unless this is an array.
   [[nodiscard]] std::size_t ArraySize() const;
   /// An element of an array; it must exist.
@@ -42,10 +47,14 @@ class JsonValue {
   [[nodiscard]] std::int64_t Integer() const;
   /// An array of such numbers.
   [[nodiscard]] std::vector<double> Numbers() const;
+  /// The same, where null and NaN (also as a string) are allowed and become NaN.
+  [[nodiscard]] std::vector<double> NumbersOrNaN() const;
   [[nodiscard]] std::string String() const;
 
   /// "null", "the string "abc"", "an array of 74 values", ...
   [[nodiscard]] std::string Describe() const;
+  /// The same with the keys of an object, or of the objects in an array: "an array of 12 objects with image_id, bbox".
+  [[nodiscard]] std::string DescribeStructure() const;
   /// Throws Error(kBadInput) at this place; `found` is Describe() where empty.
   [[noreturn]] void Fail(const std::string& expected, const std::string& advice = "",
                          const std::string& found = "") const;
@@ -55,6 +64,7 @@ class JsonValue {
   struct Document {  // NOLINT(bugprone-exception-escape)
     std::string file;
     nlohmann::json root;
+    bool has_nan = false;  // some null was NaN in the file
   };
   JsonValue(std::shared_ptr<const Document> document, const nlohmann::json* value, std::string place);
 

@@ -1,5 +1,7 @@
 #include "canonpose/data/codecs/json.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -50,14 +52,38 @@ TEST(Json, EmptyFilesSaySo) {
   EXPECT_THAT(LoadError(" \n"), HasSubstr("found an empty file"));
 }
 
-TEST(Json, NotANumberIsNamed) {
-  EXPECT_THAT(LoadError(R"({"people": [{"k": [1, 2, NaN]}]})"),
-              AllOf(HasSubstr("(people[0].k[2])"), HasSubstr("expected a finite number, found NaN")));
+TEST(Json, NaNIsReadAsNull) {
+  const JsonValue root = Load(R"({"note": "NaN \" NaN", "k": [1, NaN, -nan, null, "NaN", nan], "s": NaN})");
+  EXPECT_EQ(root["note"].String(), "NaN \" NaN");
+  EXPECT_TRUE(root["s"].IsNull());
+  EXPECT_TRUE(root.Contains("s"));
+  EXPECT_FALSE(root.Has("s"));
+  const std::vector<double> numbers = root["k"].NumbersOrNaN();
+  ASSERT_EQ(numbers.size(), 6U);
+  EXPECT_EQ(numbers[0], 1.0);
+  for (std::size_t i = 1; i < 6; ++i) EXPECT_TRUE(std::isnan(numbers[i])) << i;
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)root["k"].Numbers(); }),
+              AllOf(HasSubstr("k[1]: expected a number, found null or NaN")));
+  EXPECT_THAT(LoadError("[NaN, NaN, @]"), HasSubstr("line 1, column 12"));
+  EXPECT_THAT(LoadError("[NaN, NaN, 1"), HasSubstr("found the end of the file"));
+  EXPECT_THAT(LoadError("[NaN, nano]"), HasSubstr("line 1, column 8"));
+}
+
+TEST(Json, NumbersThatAreNotFiniteAreNamed) {
+  EXPECT_THAT(LoadError(R"({"people": [{"k": [1, 2, Infinity]}]})"),
+              AllOf(HasSubstr("(people[0].k[2])"), HasSubstr("expected a finite number, found Infinity")));
   EXPECT_THAT(LoadError("[1, -Infinity]"), AllOf(HasSubstr("([1])"), HasSubstr("found -Infinity")));
-  EXPECT_THAT(LoadError("[nan]"), HasSubstr("found nan"));
   EXPECT_THAT(LoadError("[inf]"), HasSubstr("found inf"));
   EXPECT_THAT(LoadError("[0, 1e999]"), AllOf(HasSubstr("([1])"), HasSubstr("expected a finite number, found 1e999")));
   EXPECT_THAT(LoadError("[0, -1e999]"), HasSubstr("found -1e999"));
+}
+
+TEST(Json, StructureIsDescribed) {
+  EXPECT_EQ(Load("{}").DescribeStructure(), "an empty object");
+  EXPECT_EQ(Load(R"({"b": 1, "a": 2})").DescribeStructure(), "an object with a, b");
+  EXPECT_EQ(Load(R"([{"bbox": 1, "id": 2}, {}])").DescribeStructure(), "an array of 2 objects with bbox, id");
+  EXPECT_EQ(Load("[[1], [2]]").DescribeStructure(), "an array of 2 values");
+  EXPECT_EQ(Load("3").DescribeStructure(), "3");
 }
 
 TEST(Json, NumbersMustBeNumbersThatFit) {
@@ -79,7 +105,11 @@ TEST(Json, NumbersMustBeNumbersThatFit) {
 TEST(Json, OtherFilesAreRefused) {
   EXPECT_THAT(LoadError("hello, world"),
               AllOf(HasSubstr("line 1, column 1"), HasSubstr("expected JSON, found 'hello'")));
-  EXPECT_THAT(LoadError("\x89HDF\r\n"), HasSubstr("expected JSON"));
+  EXPECT_THAT(LoadError("\x89HDF\r\n"), HasSubstr("expected JSON, found an HDF5 file; give the JSON files"));
+  EXPECT_THAT(LoadError(std::string("\0\0\0\x20"
+                                    "ftypisom",
+                                    12)),
+              AllOf(HasSubstr("expected JSON, found a video; run a 2D keypoint detector on it first")));
   EXPECT_THAT(LoadError("[1] [2]"), HasSubstr("expected JSON"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { JsonValue::Load("/nonexistent/a.json"); }),
               AllOf(HasSubstr("/nonexistent/a.json"), HasSubstr("No such file")));

@@ -6,16 +6,16 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/base/progress.h"
 #include "canonpose/data/codecs/json.h"
 #include "canonpose/data/readers/flat_list.h"
+#include "canonpose/data/readers/formats.h"
 
 namespace canonpose {
 namespace {
 
 namespace fs = std::filesystem;
 
-bool IsFrame(const JsonValue& value) { return value.Has("people") || value.Has("bodies"); }
+bool IsFrame(const JsonValue& value) { return value.Contains("people") || value.Contains("bodies"); }
 
 bool IsFrameFileOfAlphaPose(const fs::path& file) {
   return FirstCharacter(file) == '{' && IsFrame(JsonValue::Load(file));
@@ -23,32 +23,39 @@ bool IsFrameFileOfAlphaPose(const fs::path& file) {
 
 /// people[].pose_keypoints_2d of the form "open", bodies[].joints of the form "cmu".
 void ReadFrame(const JsonValue& value, const std::string& image, CameraBuilder& builder) {
-  const bool is_open = value.Has("people");
+  const bool is_open = value.Contains("people");
+  DetectedFrame& frame = builder.Frame(image, value.file(), value.place());
   const JsonValue people = value[is_open ? "people" : "bodies"];
+  if (people.IsNull()) return;
   const std::size_t count = people.ArraySize();
-  DetectedFrame& frame =
-      builder.Frame(FrameNumberOf(image, value.file(), value.place()), image, value.file(), value.place());
   for (std::size_t i = 0; i < count; ++i) {
     const JsonValue keypoints = people.At(i)[is_open ? "pose_keypoints_2d" : "joints"];
-    std::optional<DetectedPerson> person = PersonFromTriples(Triples(keypoints));
+    if (keypoints.IsNull()) continue;
+    const std::vector<double> triples = Triples(keypoints);
+    builder.NoteKeypointCount(triples.size() / 3);
+    std::optional<DetectedPerson> person = PersonFromTriples(triples);
     if (person) builder.Add(frame, std::move(*person), keypoints.file(), keypoints.place());
   }
 }
 
-void ReadAlphaPoseFile(const fs::path& path, CameraBuilder& builder) {
-  const JsonValue root = JsonValue::Load(path);
+/// Returns false where the file has no keypoints.
+bool ReadAlphaPoseFile(const JsonValue& root, CameraBuilder& builder) {
+  if (root.json().is_object() && IsFrame(root)) {
+    ReadFrame(root, fs::path(root.file()).filename().string(), builder);
+    return true;
+  }
+  if (GuessFormat(root).empty() && !root.json().empty()) return false;
   if (root.json().is_array()) {
     ReadFlatList(root, builder);
-  } else if (root.json().is_object() && IsFrame(root)) {
-    ReadFrame(root, path.filename().string(), builder);
-  } else {
-    if (!root.json().is_object()) root.Fail("AlphaPose's list or object of detections");
-    for (const std::string& image : root.Keys()) {
-      const JsonValue frame = root[image];
-      if (!IsFrame(frame)) frame.Fail("an object with people or bodies", AdviseFormat(root));
-      ReadFrame(frame, image, builder);
-    }
+    return true;
   }
+  if (!root.json().is_object()) FailFormat(root, "AlphaPose's list or object of detections");
+  for (const std::string& image : root.Keys()) {
+    const JsonValue frame = root[image];
+    if (!IsFrame(frame)) FailFormat(root, "AlphaPose's frames, objects with people or bodies");
+    ReadFrame(frame, image, builder);
+  }
+  return true;
 }
 
 }  // namespace
@@ -60,16 +67,12 @@ std::vector<CameraInput> FindAlphaPoseCameras(const fs::path& path) {
 DetectedCamera ReadAlphaPose(const CameraInput& input) {
   CameraBuilder builder(input);
   std::error_code error;
-  if (!fs::is_directory(input.path, error)) {
-    ReadAlphaPoseFile(input.path, builder);
-    return builder.Finish(true);
-  }
-  const std::vector<fs::path> files = JsonFilesIn(input.path);
-  Progress progress("reading " + input.name, std::ssize(files));
-  long done = 0;
-  for (const fs::path& file : files) {
-    ReadAlphaPoseFile(file, builder);
-    progress.Update(++done, "");
+  constexpr const char* kExpected = "AlphaPose's list or object of detections";
+  if (fs::is_directory(input.path, error)) {
+    ReadFrameFiles(input, builder, ReadAlphaPoseFile, kExpected);
+  } else {
+    const JsonValue root = JsonValue::Load(input.path);
+    if (!ReadAlphaPoseFile(root, builder)) FailFormat(root, kExpected);
   }
   return builder.Finish(true);
 }

@@ -11,10 +11,7 @@ std::vector<CameraInput> FindCocoCameras(const std::filesystem::path& path) {
 
 DetectedCamera ReadCoco(const CameraInput& input) {
   const JsonValue root = JsonValue::Load(input.path);
-  if (root.Has("annotations")) {
-    root.Fail("a list of results", "this is an annotation file; its third value is a visibility, not a confidence");
-  }
-  if (!root.json().is_array()) root.Fail("a list of results", AdviseFormat(root));
+  if (!root.json().is_array()) FailFormat(root, "a list of results");
   CameraBuilder builder(input);
   ReadFlatList(root, builder);
   return builder.Finish(true);

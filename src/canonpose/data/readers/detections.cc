@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/log.h"
+#include "canonpose/data/readers/frame_numbers.h"
 
 namespace canonpose {
 namespace {
@@ -20,14 +22,17 @@ namespace fs = std::filesystem;
 
 /// Keeps differences from overflowing; time stamps in nanoseconds still fit.
 constexpr std::int64_t kLargestFrameNumber = 2'000'000'000'000'000'000;
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+/// Between the frames of a counter there are at most this many steps where the most are adjacent.
+constexpr std::int64_t kLargestCounterStep = 4;
+constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
 
 /// Whole-body sets start with a body set; the face and the hands that follow are left out.
 struct WholeBodySet {
   std::size_t keypoint_count;
   std::size_t body_count;
+  bool has_unused_feet;
 };
-constexpr std::array<WholeBodySet, 2> kWholeBodySets{{{136, 26}, {133, 17}}};
+constexpr std::array<WholeBodySet, 2> kWholeBodySets{{{136, 26, false}, {133, 17, true}}};
 
 std::size_t BodyCount(std::size_t keypoint_count) {
   for (const WholeBodySet& set : kWholeBodySets) {
@@ -46,14 +51,14 @@ std::string LowerExtension(const fs::path& path) {
 }
 
 template <typename Keep>
-std::vector<fs::path> ListFolder(const fs::path& folder, Keep&& keep) {
+std::vector<fs::path> ListFolder(const fs::path& folder, Keep&& keep, bool with_hidden = false) {
   std::error_code error;
   fs::directory_iterator entries(folder, error);
   if (error) ThrowBadInput({folder.string(), "", "a folder that can be read", error.message(), "check the path"});
   std::vector<fs::path> paths;
   for (const fs::directory_entry& entry : entries) {
     std::error_code ignored;
-    if (!IsHidden(entry.path()) && keep(entry, ignored)) paths.push_back(entry.path());
+    if ((with_hidden || !IsHidden(entry.path())) && keep(entry, ignored)) paths.push_back(entry.path());
   }
   std::sort(paths.begin(), paths.end());
   return paths;
@@ -64,14 +69,14 @@ std::vector<fs::path> ListFolder(const fs::path& folder, Keep&& keep) {
 std::optional<DetectedPerson> PersonFromTriples(const std::vector<double>& triples) {
   const std::size_t count = BodyCount(triples.size() / 3);
   DetectedPerson person;
-  person.keypoints.assign(2 * count, kNaN);
+  person.keypoints.assign(2 * count, kMissing);
   person.confidence.assign(count, 0.0F);
   bool is_seen = false;
   for (std::size_t k = 0; k < count; ++k) {
     const double x = triples[3 * k];
     const double y = triples[3 * k + 1];
     const double confidence = triples[3 * k + 2];
-    if (confidence <= 0.0 || (x == 0.0 && y == 0.0)) continue;
+    if (!(confidence > 0.0) || std::isnan(x) || std::isnan(y) || (x == 0.0 && y == 0.0)) continue;
     person.keypoints[2 * k] = static_cast<float>(x);
     person.keypoints[2 * k + 1] = static_cast<float>(y);
     person.confidence[k] = static_cast<float>(confidence);
@@ -104,6 +109,17 @@ DetectedFrame& CameraBuilder::Frame(std::int64_t number, const std::string& imag
   return frame;
 }
 
+DetectedFrame& CameraBuilder::Frame(const std::string& image, const std::string& file, const std::string& place) {
+  const auto [entry, is_new] = named_frames_.try_emplace(image);
+  if (is_new) {
+    if (!LastNumber(image)) {
+      ThrowBadInput({file, place, "a frame number in the name", "\"" + image + "\"", "name frames as in frame_0012"});
+    }
+    entry->second = {{0, image, {}}, file, place};
+  }
+  return entry->second.frame;
+}
+
 void CameraBuilder::Add(DetectedFrame& frame, DetectedPerson person, const std::string& file,
                         const std::string& place) {
   const int count = static_cast<int>(person.confidence.size());
@@ -118,59 +134,81 @@ void CameraBuilder::Add(DetectedFrame& frame, DetectedPerson person, const std::
   frame.people.push_back(std::move(person));
 }
 
+void CameraBuilder::NoteKeypointCount(std::size_t count) {
+  for (const WholeBodySet& set : kWholeBodySets) {
+    if (set.keypoint_count != count) continue;
+    NoteUnusedPart("hands");
+    NoteUnusedPart("face");
+    if (set.has_unused_feet) NoteUnusedPart("feet");
+  }
+}
+
+void CameraBuilder::LeaveOut(const fs::path& file) { left_out_.push_back(file); }
+
+void CameraBuilder::NumberNamedFrames() {
+  std::vector<std::string> names;
+  names.reserve(named_frames_.size());
+  for (const auto& [name, named] : named_frames_) names.push_back(name);
+  const FrameNumbers numbers = NumberFrames(names);
+  if (!names.empty()) camera_.seconds_per_number = numbers.seconds_per_number;
+  std::size_t i = 0;
+  for (auto& [name, named] : named_frames_) {
+    DetectedFrame& frame = Frame(numbers.numbers[i++], name, named.file, named.place);
+    named.frame.number = frame.number;
+    frame = std::move(named.frame);
+  }
+  named_frames_.clear();
+}
+
+void CameraBuilder::FillGaps() {
+  if (frames_.size() < 2 || camera_.seconds_per_number > 0.0) return;
+  std::int64_t step = 0;
+  std::int64_t smallest = std::numeric_limits<std::int64_t>::max();
+  std::optional<std::int64_t> previous;
+  for (const auto& [number, frame] : frames_) {
+    if (previous) step = std::gcd(step, number - *previous);
+    if (previous) smallest = std::min(smallest, number - *previous);
+    previous = number;
+  }
+  // Where numbers are names (COCO's image ids) or times rather than counters, gaps have no meaning.
+  const std::int64_t last = frames_.rbegin()->first;
+  if (smallest > kLargestCounterStep * step) return;
+  if ((last - frames_.begin()->first) / step >= 20 * std::ssize(frames_) + 1000) return;
+  for (std::int64_t number = frames_.begin()->first; number < last; number += step) {
+    const auto [entry, is_new] = frames_.try_emplace(number);
+    if (is_new) entry->second.number = number;
+  }
+}
+
+void CameraBuilder::ReportLeftOut() const {
+  if (left_out_.empty()) return;
+  // Where a frame may be meant, the user should look.
+  const bool is_suspicious = std::any_of(left_out_.begin(), left_out_.end(), [](const fs::path& file) {
+    return LowerExtension(file) == ".json" && LastNumber(file.filename().string()).has_value();
+  });
+  const bool is_one = left_out_.size() == 1;
+  const std::string text = fmt::format(
+      "{}: {} in {} {} left out: {}", camera_.name, is_one ? "a file" : fmt::format("{} files", left_out_.size()),
+      camera_.path, is_one ? "has no keypoints and is" : "have no keypoints and are", FirstAndCount(left_out_));
+  if (is_suspicious) {
+    LogWarning("{}", text);
+  } else {
+    LogInfo("{}", text);
+  }
+}
+
 DetectedCamera CameraBuilder::Finish(bool fill_gaps) {
+  NumberNamedFrames();
   if (camera_.keypoint_count == 0) {
     ThrowBadInput({camera_.path, "", "detections of a person",
                    frames_.empty() ? "no frames" : fmt::format("nobody in any of {} frames", frames_.size()),
                    fmt::format("leave out camera {}, or run the detector on it again", camera_.name)});
   }
-  std::int64_t step = 0;
-  std::optional<std::int64_t> previous;
-  for (const auto& [number, frame] : frames_) {
-    if (previous) step = std::gcd(step, number - *previous);
-    previous = number;
-  }
-  // Where numbers are names rather than counters (COCO's image ids), gaps have no meaning.
-  const std::int64_t last = frames_.rbegin()->first;
-  const bool is_counter = step > 0 && (last - frames_.begin()->first) / step < 20 * std::ssize(frames_) + 1000;
-  if (fill_gaps && is_counter) {
-    for (std::int64_t number = frames_.begin()->first; number < last; number += step) {
-      const auto [entry, is_new] = frames_.try_emplace(number);
-      if (is_new) entry->second.number = number;
-    }
-  }
+  ReportLeftOut();
+  if (fill_gaps) FillGaps();
   for (auto& [number, frame] : frames_) camera_.frames.push_back(std::move(frame));
   frames_.clear();
   return std::move(camera_);
-}
-
-std::optional<std::int64_t> LastNumber(std::string_view file_name) {
-  // A suffix that is a number is not an extension: "cam01.0012" has none.
-  const std::size_t dot = file_name.rfind('.');
-  if (dot != std::string_view::npos && dot > 0 &&
-      std::any_of(file_name.begin() + static_cast<std::ptrdiff_t>(dot) + 1, file_name.end(),
-                  [](unsigned char c) { return std::isalpha(c) != 0; })) {
-    file_name = file_name.substr(0, dot);
-  }
-  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-  std::size_t end = file_name.size();
-  // The "2" in suffixes such as "_keypoints_2d" is not a frame number.
-  if (file_name.ends_with("_2d")) end -= 3;
-  while (end > 0 && !is_digit(file_name[end - 1])) --end;
-  if (end == 0) return std::nullopt;
-  std::size_t begin = end;
-  while (begin > 0 && is_digit(file_name[begin - 1]) && end - begin < 18) --begin;
-  std::int64_t number = 0;
-  for (std::size_t i = begin; i < end; ++i) number = 10 * number + (file_name[i] - '0');
-  return number;
-}
-
-std::int64_t FrameNumberOf(const std::string& name, const std::string& file, const std::string& place) {
-  const std::optional<std::int64_t> number = LastNumber(name);
-  if (!number) {
-    ThrowBadInput({file, place, "a frame number in the name", "\"" + name + "\"", "name frames as in frame_0012"});
-  }
-  return *number;
 }
 
 std::vector<fs::path> JsonFilesIn(const fs::path& folder) {
@@ -179,9 +217,24 @@ std::vector<fs::path> JsonFilesIn(const fs::path& folder) {
   });
 }
 
+std::vector<fs::path> OtherFilesIn(const fs::path& folder) {
+  return ListFolder(
+      folder,
+      [](const fs::directory_entry& entry, std::error_code& error) {
+        return entry.is_regular_file(error) && (IsHidden(entry.path()) || LowerExtension(entry.path()) != ".json");
+      },
+      true);
+}
+
 std::vector<fs::path> FoldersIn(const fs::path& folder) {
   return ListFolder(folder,
                     [](const fs::directory_entry& entry, std::error_code& error) { return entry.is_directory(error); });
+}
+
+std::string FirstAndCount(const std::vector<fs::path>& paths) {
+  if (paths.empty()) return "none";
+  const std::string first = paths.front().filename().string();
+  return paths.size() == 1 ? first : fmt::format("{} and {} more", first, paths.size() - 1);
 }
 
 std::string CameraNameOf(const fs::path& path) {

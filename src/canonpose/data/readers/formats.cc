@@ -1,7 +1,11 @@
 #include "canonpose/data/readers/formats.h"
 
 #include <algorithm>
+#include <optional>
 #include <system_error>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/names.h"
@@ -9,6 +13,7 @@
 #include "canonpose/data/readers/alphapose.h"
 #include "canonpose/data/readers/benchmarks/benchmark.h"
 #include "canonpose/data/readers/coco.h"
+#include "canonpose/data/readers/flat_list.h"
 #include "canonpose/data/readers/mmpose.h"
 #include "canonpose/data/readers/openpose.h"
 
@@ -17,20 +22,34 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Whether an object is a person as MMPose writes it.
+bool IsInstance(const JsonValue& value) {
+  if (value.Has("keypoint_scores")) return true;
+  const std::optional<JsonValue> keypoints = value.Find("keypoints");
+  return keypoints && !value.Has("image_id") && keypoints->json().is_array() && !keypoints->json().empty() &&
+         keypoints->At(0).json().is_array();
+}
+
 std::string GuessList(const JsonValue& list) {
-  if (list.ArraySize() == 0) return "";
-  const JsonValue first = list.At(0);
-  if (first.Has("instances") || first.Has("keypoint_scores")) return "mmpose";
-  if (!first.Has("image_id") || !first.Has("keypoints")) return "";
-  return first["image_id"].json().is_string() ? "alphapose" : "coco";
+  for (std::size_t i = 0; i < list.ArraySize(); ++i) {
+    const JsonValue entry = list.At(i);
+    if (entry.json().is_array()) {
+      if (entry.json().empty()) continue;  // a frame without people
+      return IsInstance(entry.At(0)) ? "mmpose" : "";
+    }
+    if (entry.Has("instances") || entry.Has("predictions") || IsInstance(entry)) return "mmpose";
+    if (!entry.Has("image_id") || !entry.Contains("keypoints")) return "";
+    return entry["image_id"].json().is_string() ? "alphapose" : "coco";
+  }
+  return "";
 }
 
 /// How many files of a folder are examined; other files, such as a calibration, may come before the detections.
-constexpr std::size_t kFilesToTry = 10;
+constexpr std::size_t kFilesToGuessFrom = 10;
 
 std::string GuessFolder(const fs::path& folder) {
   std::vector<fs::path> files = JsonFilesIn(folder);
-  if (files.size() > kFilesToTry) files.resize(kFilesToTry);
+  if (files.size() > kFilesToGuessFrom) files.resize(kFilesToGuessFrom);
   for (const fs::path& file : files) {
     std::string format = GuessFormat(JsonValue::Load(file));
     if (!format.empty()) return format;
@@ -75,12 +94,14 @@ std::string DetectionFormatNames() {
   return names;
 }
 
+bool HasDetections(const fs::path& folder) { return !GuessFolder(folder).empty(); }
+
 std::string GuessFormat(const JsonValue& root) {
   if (root.json().is_array()) return GuessList(root);
   if (!root.json().is_object()) return "";
-  if (root.Has("instance_info")) return "mmpose";
+  if (root.Has("instance_info") || root.Has("predictions")) return "mmpose";
   if (root.Has("bodies")) return "alphapose";
-  if (root.Has("people")) {
+  if (root.Contains("people")) {
     // AlphaPose imitates OpenPose, with a string where OpenPose has a number.
     const std::optional<JsonValue> version = root.Find("version");
     return version && version->json().is_string() ? "alphapose" : "openpose";
@@ -91,10 +112,48 @@ std::string GuessFormat(const JsonValue& root) {
   return first.Has("people") || first.Has("bodies") ? "alphapose" : "";
 }
 
+std::string DescribeContent(const JsonValue& root) {
+  const auto count = [&](const char* key) -> std::optional<std::size_t> {
+    const std::optional<JsonValue> list = root.Find(key);
+    if (!list || !list->json().is_array()) return std::nullopt;
+    return list->ArraySize();
+  };
+  const auto images = count("images");
+  const auto annotations = count("annotations");
+  const auto categories = count("categories");
+  if (images && (annotations || categories)) {
+    std::string text = fmt::format("a COCO dataset with {} image{}", *images, *images == 1 ? "" : "s");
+    if (annotations) text += fmt::format(", {} annotation{}", *annotations, *annotations == 1 ? "" : "s");
+    if (categories) {
+      text += fmt::format("{}{} categor{}", annotations ? " and " : ", ", *categories, *categories == 1 ? "y" : "ies");
+    }
+    return text;
+  }
+  if (const std::optional<JsonValue> cameras = root.Find("cameras")) {
+    return cameras->json().is_object() ? fmt::format("a calibration of cameras {}", fmt::join(cameras->Keys(), ", "))
+                                       : "a description of cameras";
+  }
+  return root.DescribeStructure();
+}
+
+std::string AdviceForContent(const JsonValue& root) {
+  if (root.Has("images") || root.Has("annotations")) {
+    return "this is an annotation file; its third value is a visibility, not a confidence; give the results that a "
+           "detector writes for it, a list of objects with image_id, category_id, keypoints and score";
+  }
+  if (root.Has("cameras")) return "give it as `calibration`, and here the keypoints of each camera";
+  return fmt::format("give the files that a 2D keypoint detector writes ({})", DetectionFormatNames());
+}
+
 std::string DetectFormat(const fs::path& path) {
   std::string format = GuessPath(path, 2);
   if (format.empty()) {
-    ThrowBadInput({path.string(), "", "keypoints of " + DetectionFormatNames(), "none of these", "check the path"});
+    std::error_code error;
+    const std::string expected = "keypoints of " + DetectionFormatNames();
+    if (!fs::is_directory(path, error)) FailFormat(JsonValue::Load(path), expected);
+    std::string found = DescribeFolder(path);
+    if (found == kNoJsonFile) found = "none of these";
+    ThrowBadInput({path.string(), "", expected, found, AdviseFolder(path, "check the path")});
   }
   return format;
 }

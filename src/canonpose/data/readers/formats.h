@@ -30,7 +30,16 @@ std::string DetectionFormatNames();
 /// sub-folder with one. Throws Error(kBadInput) where it is not recognised.
 std::string DetectFormat(const std::filesystem::path& path);
 
+/// Whether one of the first JSON files of a folder looks like a format.
+bool HasDetections(const std::filesystem::path& folder);
+
 /// The format that parsed content looks like; empty if none.
 std::string GuessFormat(const JsonValue& root);
+
+/// What parsed content is, for messages: "a COCO dataset with 3 images and 5 annotations", "a calibration of cameras a,
+/// b", "an array of 12 objects with bbox, id".
+std::string DescribeContent(const JsonValue& root);
+/// What to do with content of no known format.
+std::string AdviceForContent(const JsonValue& root);
 
 }  // namespace canonpose

@@ -1,14 +1,19 @@
 #include "canonpose/data/readers/openpose.h"
 
 #include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
-#include "canonpose/base/progress.h"
+#include "canonpose/data/codecs/file_kind.h"
 #include "canonpose/data/codecs/json.h"
 #include "canonpose/data/readers/flat_list.h"
+#include "canonpose/data/readers/formats.h"
+#include "canonpose/data/readers/frame_numbers.h"
 
 namespace canonpose {
 namespace {
@@ -18,6 +23,10 @@ namespace fs = std::filesystem;
 constexpr const char* kFolderAdvice =
     "give the folder that OpenPose's write_json option wrote, or the folder above several of those";
 
+/// What OpenPose finds beside the body.
+constexpr std::array<std::pair<const char*, const char*>, 3> kOtherOpenPoseParts{
+    {{"face_keypoints_2d", "face"}, {"hand_left_keypoints_2d", "hands"}, {"hand_right_keypoints_2d", "hands"}}};
+
 bool IsEmptyFolder(const fs::path& folder) {
   std::error_code error;
   return fs::is_empty(folder, error) && !error;
@@ -26,7 +35,7 @@ bool IsEmptyFolder(const fs::path& folder) {
 /// Whether a file is one frame and not, for instance, a calibration.
 bool IsFrameFile(const fs::path& file) {
   if (!LastNumber(file.filename().string()) || FirstCharacter(file) != '{') return false;
-  return JsonValue::Load(file).Has("people");
+  return JsonValue::Load(file).Contains("people");
 }
 
 bool HasFrames(const std::vector<fs::path>& files) { return std::any_of(files.begin(), files.end(), IsFrameFile); }
@@ -56,12 +65,23 @@ void RefuseLeftOut(const fs::path& folder) {
   }
 }
 
-/// The body keypoints of one entry of `people`; an empty array if the detector ran with the body switched off.
+/// The body keypoints of one entry of `people`; an empty array if the detector ran with the body switched off, or if
+/// the entry is empty, as tools write people whom they did not find.
 std::vector<double> BodyTriples(const JsonValue& person) {
+  if (person.IsNull()) return {};
   // Versions before 1.2 wrote the shorter name.
-  const std::optional<JsonValue> old_name = person.Find("pose_keypoints");
-  const JsonValue value = old_name && !person.Has("pose_keypoints_2d") ? *old_name : person["pose_keypoints_2d"];
-  std::vector<double> triples = value.Numbers();
+  const char* const name = !person.Contains("pose_keypoints_2d") && person.Contains("pose_keypoints")
+                               ? "pose_keypoints"
+                               : "pose_keypoints_2d";
+  if (!person.Contains(name)) {
+    const std::vector<std::string> keys = person.Keys();
+    const bool has_keypoints = std::any_of(
+        keys.begin(), keys.end(), [](const std::string& key) { return key.find("keypoints") != std::string::npos; });
+    if (!has_keypoints) return {};
+  }
+  const JsonValue value = person[name];
+  if (value.IsNull()) return {};
+  std::vector<double> triples = value.NumbersOrNaN();
   if (triples.size() % 3 != 0) {
     value.Fail("a multiple of three values (x, y, confidence)", "export the frame again",
                fmt::format("{} values", triples.size()));
@@ -69,26 +89,55 @@ std::vector<double> BodyTriples(const JsonValue& person) {
   return triples;
 }
 
-void ReadFrame(const fs::path& path, CameraBuilder& builder) {
-  const JsonValue root = JsonValue::Load(path);
+void NoteUnusedParts(const JsonValue& person, CameraBuilder& builder) {
+  for (const auto& [key, part] : kOtherOpenPoseParts) {
+    const std::optional<JsonValue> values = person.Find(key);
+    if (values && values->json().is_array() && !values->json().empty()) builder.NoteUnusedPart(part);
+  }
+}
+
+/// Returns false where the file is not a frame.
+bool ReadFrame(const JsonValue& root, CameraBuilder& builder) {
+  if (!root.Contains("people")) return false;
   const std::string& file = root.file();
-  if (!root.Has("people")) root.Fail("an object with people", AdviseFormat(root));
+  DetectedFrame& frame = builder.Frame(fs::path(file).filename().string(), file, "");
   const JsonValue people = root["people"];
+  if (people.IsNull()) return true;
   const std::size_t count = people.ArraySize();
-  const std::string name = path.filename().string();
-  DetectedFrame& frame = builder.Frame(FrameNumberOf(name, file, ""), name, file, "");
   for (std::size_t i = 0; i < count; ++i) {
     const JsonValue entry = people.At(i);
-    std::optional<DetectedPerson> person = PersonFromTriples(BodyTriples(entry));
+    const std::vector<double> triples = BodyTriples(entry);
+    builder.NoteKeypointCount(triples.size() / 3);
+    NoteUnusedParts(entry, builder);
+    std::optional<DetectedPerson> person = PersonFromTriples(triples);
     if (!person) continue;
     // An undetected person_id is [-1].
     if (const std::optional<JsonValue> ids = entry.Find("person_id");
-        ids && ids->json().is_array() && ids->ArraySize() > 0) {
+        ids && ids->json().is_array() && !ids->json().empty() && ids->At(0).json().is_number()) {
       const std::int64_t id = ids->At(0).Integer();
       if (id >= 0) person->track_id = id;
     }
     builder.Add(frame, std::move(*person), file, entry.place() + ".pose_keypoints_2d");
   }
+  return true;
+}
+
+/// Where some folders have frames, those that have none are no cameras, unless they have detections in another form.
+void LeaveOutFoldersWithoutFrames(std::vector<CameraInput>& cameras) {
+  std::vector<fs::path> without;
+  for (const CameraInput& camera : cameras) {
+    if (!HasFrames(JsonFilesIn(camera.path))) without.push_back(camera.path);
+  }
+  if (without.size() == cameras.size()) return;
+  std::erase_if(without, [](const fs::path& folder) { return HasDetections(folder); });
+  if (without.empty()) return;
+  LogWarning("{} left out: {}",
+             without.size() == 1 ? "a folder has no keypoints and is"
+                                 : fmt::format("{} folders have no keypoints and are", without.size()),
+             FirstAndCount(without));
+  std::erase_if(cameras, [&](const CameraInput& camera) {
+    return std::find(without.begin(), without.end(), camera.path) != without.end();
+  });
 }
 
 }  // namespace
@@ -96,7 +145,9 @@ void ReadFrame(const fs::path& path, CameraBuilder& builder) {
 std::vector<CameraInput> FindOpenPoseCameras(const fs::path& path) {
   std::error_code error;
   if (fs::is_regular_file(path, error)) {
-    ThrowBadInput({path.string(), "", "a folder with one JSON file per frame", "a file", kFolderAdvice});
+    const std::string kind = KindOfFile(path);
+    ThrowBadInput({path.string(), "", "a folder with one JSON file per frame", kind.empty() ? "a file" : kind,
+                   kind.empty() ? kFolderAdvice : AdviceForKind(kind)});
   }
   const std::vector<fs::path> files = JsonFilesIn(path);  // throws where there is no such folder
   std::vector<CameraInput> cameras;
@@ -115,27 +166,28 @@ std::vector<CameraInput> FindOpenPoseCameras(const fs::path& path) {
                      "move one of them elsewhere, or name each camera's folder with `camera` NAME=PATH"});
     }
     for (const fs::path& folder : others) RefuseLeftOut(folder);
+    LeaveOutFoldersWithoutFrames(cameras);
     return cameras;
   }
   if (files.empty()) {
     ThrowBadInput({path.string(), "", "one JSON file per frame, or a sub-folder of these for each camera",
-                   IsEmptyFolder(path) ? "an empty folder" : "no JSON file", kFolderAdvice});
+                   DescribeFolder(path), AdviseFolder(path, kFolderAdvice)});
+  }
+  // Videos beside, say, a calibration.
+  if (const std::string found = DescribeFolder(path); found != kNoJsonFile && !HasFrames(files)) {
+    ThrowBadInput({path.string(), "", "one JSON file per frame, or a sub-folder of these for each camera", found,
+                   AdviseFolder(path, kFolderAdvice)});
   }
   return {{CameraNameOf(path), path}};
 }
 
 DetectedCamera ReadOpenPose(const CameraInput& input) {
-  const std::vector<fs::path> files = JsonFilesIn(input.path);
-  if (files.empty()) {
-    ThrowBadInput({input.path.string(), "", "one JSON file per frame", "no JSON file", kFolderAdvice});
+  if (JsonFilesIn(input.path).empty()) {
+    ThrowBadInput({input.path.string(), "", "one JSON file per frame", DescribeFolder(input.path),
+                   AdviseFolder(input.path, kFolderAdvice)});
   }
   CameraBuilder builder(input);
-  Progress progress("reading " + input.name, std::ssize(files));
-  long done = 0;
-  for (const fs::path& file : files) {
-    ReadFrame(file, builder);
-    progress.Update(++done, "");
-  }
+  ReadFrameFiles(input, builder, ReadFrame, "an object with people");
   // Images without people have files too, so a gap in the numbers is a lost file and is not filled.
   return builder.Finish(false);
 }

@@ -17,9 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 
 using ::testing::AllOf;
+using testing::CollectedMessages;
 using ::testing::ElementsAre;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
 using testing::Shared;
 using testing::TemporaryFolder;
 using testing::TestData;
@@ -153,7 +156,8 @@ TEST(Formats, UnknownOnesAreUsageErrors) {
 TEST(Formats, ContentOfNoFormatIsRefused) {
   const TemporaryFolder folder;
   WriteFileAtomically(folder / "a.json", R"({"a": 1})");
-  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { DetectFormat(folder / "a.json"); }), HasSubstr("none of these"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { DetectFormat(folder / "a.json"); }),
+              HasSubstr("found an object with a"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { DetectFormat(folder.path()); }), HasSubstr("none of these"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { DetectFormat(folder / "nothing"); }), HasSubstr("No such file"));
 }
@@ -168,17 +172,6 @@ TEST(Formats, TheWrongFormatNamesTheRightOne) {
               HasSubstr("looks like the format mmpose"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("alphapose", all / "mmpose_demo"); }),
               HasSubstr("looks like the format mmpose"));
-}
-
-TEST(LastNumber, IsTheFrameNumber) {
-  EXPECT_EQ(LastNumber("cam01.0012.json"), 12);
-  EXPECT_EQ(LastNumber("video_000000000007_keypoints.json"), 7);
-  EXPECT_EQ(LastNumber("7.jpg"), 7);
-  EXPECT_EQ(LastNumber("cam01.0012"), 12);
-  EXPECT_EQ(LastNumber("clip2_0003_keypoints_2d.json"), 3);
-  EXPECT_EQ(LastNumber("0005.mp4"), 5);
-  EXPECT_EQ(LastNumber("left.jpg"), std::nullopt);
-  EXPECT_GT(LastNumber("99999999999999999999999999999.jpg").value_or(0), 0);
 }
 
 TEST(OpenPose, FramesAreSortedByNumberAndNotByName) {
@@ -210,14 +203,18 @@ TEST(OpenPose, BadContentNamesFileAndPlace) {
   EXPECT_THAT(
       OpenPoseError(R"({"people": [{"pose_keypoints_2d": [1,2,0.5]}, {"pose_keypoints_2d": [1,2,0.5,3,4,0.5]}]})"),
       AllOf(HasSubstr("people[1].pose_keypoints_2d: expected 1 keypoints"), HasSubstr("found 2")));
-  EXPECT_THAT(OpenPoseError(OpenPoseFrame("1,NaN,0.5")),
+  EXPECT_THAT(OpenPoseError(OpenPoseFrame("1,Infinity,0.5")),
               HasSubstr("(people[0].pose_keypoints_2d[1]): expected a finite number"));
-  EXPECT_THAT(OpenPoseError(OpenPoseFrame("1,null,0.5")),
+  EXPECT_THAT(OpenPoseError(OpenPoseFrame("1,\"x\",0.5")),
               HasSubstr("people[0].pose_keypoints_2d[1]: expected a number"));
   EXPECT_THAT(OpenPoseError(OpenPoseFrame("1,2,0.5").substr(0, 60)), HasSubstr("the file was cut off"));
   EXPECT_THAT(OpenPoseError("[]"), HasSubstr("expected an object with people, found an array"));
+  EXPECT_THAT(OpenPoseError(R"({"fps": 60, "a": []})"),
+              AllOf(HasSubstr("expected an object with people, found an object with a, fps"),
+                    HasSubstr("the files that a 2D keypoint detector writes (openpose, alphapose, mmpose, coco)")));
   EXPECT_THAT(OpenPoseError(R"({"people": {}})"), HasSubstr("people: expected an array, found an object"));
-  EXPECT_THAT(OpenPoseError(R"({"people": [{}]})"), HasSubstr("people[0]: expected an object with pose_keypoints_2d"));
+  EXPECT_THAT(OpenPoseError(R"({"people": [{"face_keypoints_2d": []}]})"),
+              HasSubstr("people[0]: expected an object with pose_keypoints_2d"));
   EXPECT_THAT(OpenPoseError(R"({"people": [3]})"), HasSubstr("people[0]: expected an object"));
 }
 
@@ -226,6 +223,195 @@ TEST(OpenPose, NobodyInAnyFrameIsRefused) {
               HasSubstr("expected detections of a person, found nobody in any of 1 frames"));
   EXPECT_THAT(OpenPoseError(OpenPoseFrame("0,0,0")), HasSubstr("nobody"));
   EXPECT_THAT(OpenPoseError(OpenPoseFrame("")), HasSubstr("nobody"));
+  for (const char* people : {"[{}]", "[null]", "null", R"([{"person_id": [3]}])", R"([{"pose_keypoints_2d": null}])"}) {
+    EXPECT_THAT(OpenPoseError(fmt::format(R"({{"people": {}}})", people)), HasSubstr("nobody in any of 1 frames"));
+  }
+  EXPECT_THAT(OpenPoseError(OpenPoseFrame("NaN,NaN,NaN")), HasSubstr("nobody"));
+}
+
+TEST(Formats, NaNAndNullAreMissingJoints) {
+  const auto expect_second_missing = [](const std::string& format, const std::string& text) {
+    const TemporaryFolder folder;
+    MakeDirectory(folder / "cam");
+    WriteFileAtomically(folder / "cam/frame_1.json", text);
+    const bool is_folder = format == "openpose";
+    const DetectedCamera camera = ReadAll(format, is_folder ? folder / "cam" : folder / "cam/frame_1.json").front();
+    ASSERT_EQ(camera.keypoint_count, 3) << text;
+    const DetectedPerson& person = camera.frames.front().people.front();
+    EXPECT_EQ(person.confidence[0], 0.5F) << text;
+    EXPECT_EQ(person.confidence[1], 0.0F) << text;
+    EXPECT_TRUE(std::isnan(person.keypoints[2]) && std::isnan(person.keypoints[3])) << text;
+    EXPECT_EQ(person.confidence[2], 0.5F) << text;
+  };
+  for (const char* joint : {"NaN,2,0.5", "2,NaN,0.5", "2,2,NaN", "null,null,null", "\"NaN\",2,0.5", "nan,nan,0"}) {
+    const std::string values = fmt::format("1,2,0.5,{},5,6,0.5", joint);
+    expect_second_missing("openpose", OpenPoseFrame(values));
+    expect_second_missing("alphapose", fmt::format(R"([{{"image_id":"1.jpg","keypoints":[{}]}}])", values));
+    expect_second_missing("alphapose",
+                          fmt::format(R"({{"1.jpg":{{"people":[{{"pose_keypoints_2d":[{}]}}]}}}})", values));
+    expect_second_missing(
+        "coco", fmt::format(R"([{{"image_id":1,"keypoints":[{}]}},{{"image_id":2,"keypoints":null}}])", values));
+    expect_second_missing("mmpose", fmt::format(R"([{{"keypoints":[[1,2,0.5],[{}],[5,6,0.5]]}}])", joint));
+  }
+  expect_second_missing("mmpose", R"([{"keypoints":[[1,2],null,[5,6]],"keypoint_scores":[0.5,0.5,0.5]}])");
+  expect_second_missing("mmpose", R"([{"keypoints":[[1,2],[3,4],[5,6]],"keypoint_scores":[0.5,NaN,0.5]}])");
+}
+
+/// The messages of reading all cameras at a path.
+std::string ReadLog(const std::string& format, const fs::path& path) {
+  const CollectedMessages messages;
+  ReadAll(format, path);
+  return messages.text();
+}
+
+TEST(Formats, FilesWithoutKeypointsAreLeftOut) {
+  const TemporaryFolder folder;
+  MakeDirectory(folder / "cam");
+  for (int t = 0; t < 3; ++t)
+    WriteFileAtomically(folder / fmt::format("cam/frame_{}.json", t), OpenPoseFrame("1,2,0.5"));
+  EXPECT_THAT(ReadLog("openpose", folder.path()), Not(HasSubstr("left out")));
+  WriteFileAtomically(folder / "cam/.DS_Store", "x");
+  WriteFileAtomically(folder / "cam/Thumbs.db", "x");
+  WriteFileAtomically(folder / "cam/config.json", R"({"fps": 60})");
+  WriteFileAtomically(folder / "cam/notes.json", "not JSON");
+  EXPECT_THAT(
+      ReadLog("openpose", folder.path()),
+      AllOf(HasSubstr("cam: 4 files in "), HasSubstr(" have no keypoints and are left out: config.json and 3 more"),
+            Not(HasSubstr("warning"))));
+  EXPECT_EQ(ReadAll("openpose", folder.path()).front().frames.size(), 3U);
+  // What may be a frame is worth a warning, and what certainly is one is refused if it is damaged.
+  WriteFileAtomically(folder / "cam/frame_7.json", R"({"error": 1})");
+  EXPECT_THAT(ReadLog("openpose", folder.path()), HasSubstr("warning: cam: 5 files"));
+  WriteFileAtomically(folder / "cam/frame_8.json", R"({"peop)");
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("openpose", folder.path()); }), HasSubstr("cut off"));
+}
+
+TEST(Formats, FilesOfOtherThingsAreNotCameras) {
+  const TemporaryFolder folder;
+  fs::copy(TestData("detections/alphapose"), folder.path(), fs::copy_options::recursive);
+  WriteFileAtomically(folder / "reference3d.json", R"({"units": "mm", "pose3d": [[[1, 2, 3]]]})");
+  WriteFileAtomically(folder / "calibration.json", R"({"cameras": {}})");
+  EXPECT_EQ(ReadAll("alphapose", folder.path()).size(), 2U);
+  EXPECT_THAT(ReadLog("alphapose", folder.path()),
+              AllOf(HasSubstr("a file in "), HasSubstr(" has no keypoints and is left out: reference3d.json")));
+  for (const char* name : {"left.json", "right.json"}) fs::remove(folder / name);
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("alphapose", folder.path()); }),
+              AllOf(HasSubstr("reference3d.json: expected detections of people, found an object with pose3d, units")));
+}
+
+TEST(OpenPose, FoldersWithoutFramesAreLeftOut) {
+  const TemporaryFolder folder;
+  for (const char* name : {"cam1", "cam2", "calib"}) MakeDirectory(folder / name);
+  for (const char* name : {"cam1/f_1.json", "cam2/f_1.json"})
+    WriteFileAtomically(folder / name, OpenPoseFrame("1,2,0.5"));
+  WriteFileAtomically(folder / "calib/cam_1.json", R"({"K": []})");
+  EXPECT_EQ(ReadAll("openpose", folder.path()).size(), 2U);
+  EXPECT_THAT(ReadLog("openpose", folder.path()),
+              HasSubstr("warning: a folder has no keypoints and is left out: calib"));
+  // A camera in another format must not get lost.
+  WriteFileAtomically(folder / "calib/cam_1.json", R"([{"keypoints": [[1, 2]], "keypoint_scores": [0.5]}])");
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("openpose", folder.path()); }),
+              HasSubstr("looks like the format mmpose"));
+}
+
+TEST(Formats, AnotherStructureIsDescribed) {
+  EXPECT_THAT(FileError("coco", R"({"images": [1, 2, 3], "annotations": [1], "categories": [{"id": 1}]})"),
+              AllOf(HasSubstr("found a COCO dataset with 3 images, 1 annotation and 1 category"),
+                    HasSubstr("its third value is a visibility, not a confidence; give the results")));
+  EXPECT_THAT(
+      FileError("alphapose", R"([{"bbox": [], "id": 1}, {}])"),
+      HasSubstr("found an array of 2 objects with bbox, id; give the files that a 2D keypoint detector writes"));
+  EXPECT_THAT(FileError("mmpose", R"({"cameras": {"a": {}, "b": {}}})"),
+              HasSubstr("found a calibration of cameras a, b; give it as `calibration`"));
+}
+
+TEST(Formats, VideosNeedADetector) {
+  const TemporaryFolder folder;
+  const std::string video(
+      "\0\0\0\x20"
+      "ftypisom\0\0\2\0",
+      16);
+  WriteFileAtomically(folder / "cam1.mp4", video);
+  WriteFileAtomically(folder / "cam2.mp4", video);
+  for (const char* format : {"openpose", "alphapose", "mmpose", "coco"}) {
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll(format, folder / "cam1.mp4"); }),
+                AllOf(HasSubstr("found a video; run a 2D keypoint detector on it first"),
+                      HasSubstr("openpose, alphapose, mmpose or coco")))
+        << format;
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll(format, folder.path()); }),
+                HasSubstr("found 2 videos (cam1.mp4 and 1 more); run a 2D keypoint detector"))
+        << format;
+  }
+  WriteFileAtomically(folder / "calibration.json", R"({"cameras": {}})");
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("openpose", folder.path()); }), HasSubstr("found 2 videos"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { DetectFormat(folder / "cam1.mp4"); }), HasSubstr("found a video"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { DetectFormat(folder.path()); }), HasSubstr("found 2 videos"));
+}
+
+TEST(Formats, HandsAndFaceAreNoticed) {
+  const TemporaryFolder folder;
+  MakeDirectory(folder / "cam");
+  WriteFileAtomically(folder / "cam/1.json", R"({"people": [{"pose_keypoints_2d": [1, 2, 0.5], "face_keypoints_2d": [],
+      "hand_left_keypoints_2d": [1, 2, 0.5], "hand_right_keypoints_2d": []}]})");
+  EXPECT_THAT(ReadAll("openpose", folder.path()).front().unused_parts, ElementsAre("hands"));
+  EXPECT_THAT(ReadAll("alphapose", TestData("detections/alphapose_136")).front().unused_parts,
+              ElementsAre("face", "hands"));
+  EXPECT_THAT(ReadAll("alphapose", TestData("detections/alphapose")).front().unused_parts, IsEmpty());
+}
+
+TEST(FlatList, OfSeveralCategoriesPeopleAreRead) {
+  const TemporaryFolder folder;
+  const auto entry = [](int image, int category, int x) {
+    return fmt::format(R"({{"image_id":{},"category_id":{},"keypoints":[{},2,0.5]}})", image, category, x);
+  };
+  const auto write = [&](const std::string& entries) { WriteFileAtomically(folder / "cam.json", "[" + entries + "]"); };
+  write(entry(1, 18, 50) + "," + entry(1, 1, 7) + "," + entry(2, 18, 60));
+  const DetectedCamera camera = ReadAll("coco", folder / "cam.json").front();
+  ASSERT_EQ(camera.frames.size(), 2U);
+  ASSERT_EQ(camera.frames[0].people.size(), 1U);
+  EXPECT_EQ(camera.frames[0].people[0].keypoints[0], 7.0F);
+  EXPECT_TRUE(camera.frames[1].people.empty());
+  EXPECT_THAT(ReadLog("coco", folder / "cam.json"),
+              HasSubstr("warning: cam: 2 detections of category 18 are left out; only people (category 1) are read"));
+  write(entry(1, 18, 50) + "," + entry(1, 2, 7));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("coco", folder / "cam.json"); }),
+              HasSubstr("expected detections of people, category 1, found categories 2, 18"));
+  write(entry(1, 3, 50) + "," + entry(2, 3, 7));
+  EXPECT_EQ(ReadAll("coco", folder / "cam.json").front().frames.size(), 2U);
+}
+
+TEST(Mmpose, ResultsDumpedFromMemoryAreFramesInOrder) {
+  const TemporaryFolder folder;
+  const char* const kPerson = R"({"keypoints": [[1, 2], [3, 4]], "keypoint_scores": [0.5, 0.6], "bbox_score": 0.9})";
+  for (const std::string& text :
+       {fmt::format(R"([{{"visualization": [], "predictions": [[]]}}, {{"predictions": [[{}]]}}])", kPerson),
+        fmt::format("[[], [{}]]", kPerson),
+        std::string(R"([[], [{"bbox": [0, 0, 1, 1, 0.9], "keypoints": [[1, 2, 0.5], [3, 4, 0.6]]}]])")}) {
+    WriteFileAtomically(folder / "cam.json", text);
+    EXPECT_EQ(DetectFormat(folder / "cam.json"), "mmpose") << text;
+    const DetectedCamera camera = ReadAll("mmpose", folder / "cam.json").front();
+    ASSERT_EQ(camera.frames.size(), 2U) << text;
+    EXPECT_TRUE(camera.frames[0].people.empty());
+    ASSERT_EQ(camera.frames[1].people.size(), 1U);
+    EXPECT_EQ(camera.frames[1].people[0].keypoints[3], 4.0F);
+    EXPECT_EQ(camera.frames[1].people[0].confidence[1], 0.6F);
+  }
+  MakeDirectory(folder / "images");
+  for (int t = 0; t < 2; ++t)
+    WriteFileAtomically(folder / fmt::format("images/{}.json", t),
+                        fmt::format(R"({{"predictions": [[{}]]}})", kPerson));
+  EXPECT_EQ(ReadAll("mmpose", folder / "images").front().frames.size(), 2U);
+}
+
+TEST(OpenPose, NamesMayBeTimes) {
+  const TemporaryFolder folder;
+  int x = 0;
+  for (const char* name : {"9.960", "10.000", "10.040", "10.200"})
+    WriteFileAtomically(folder / fmt::format("{}_keypoints.json", name), OpenPoseFrame(fmt::format("{},2,0.5", ++x)));
+  const DetectedCamera camera = ReadAll("openpose", folder.path()).front();
+  EXPECT_EQ(camera.seconds_per_number, 1e-3);
+  ASSERT_EQ(camera.frames.size(), 4U);
+  for (std::size_t t = 0; t < 4; ++t) EXPECT_EQ(camera.frames[t].people[0].keypoints[0], static_cast<float>(t + 1));
 }
 
 TEST(OpenPose, FoldersAreChecked) {
@@ -309,12 +495,12 @@ TEST(FlatList, BadContentNamesFileAndPlace) {
   EXPECT_THAT(FileError("alphapose", R"([{"image_id":"left.jpg","keypoints":[1,2,0.5]}])"),
               HasSubstr("[0].image_id: expected a frame number in the name, found \"left.jpg\""));
   EXPECT_THAT(FileError("alphapose", R"([{"keypoints":[1,2,0.5]}])"),
-              HasSubstr("an object with image_id and keypoints"));
+              HasSubstr("found an array of 1 object with keypoints"));
   EXPECT_THAT(FileError("alphapose", "[]"), HasSubstr("expected detections of a person, found no frames"));
   EXPECT_THAT(FileError("alphapose", "{}"), HasSubstr("found no frames"));
   EXPECT_THAT(FileError("alphapose", "3"), HasSubstr("expected AlphaPose's list or object of detections, found 3"));
   EXPECT_THAT(FileError("alphapose", R"({"1.jpg": {"boxes": []}})"),
-              HasSubstr("expected an object with people or bodies"));
+              HasSubstr("expected AlphaPose's list or object of detections, found an object with 1.jpg"));
   EXPECT_THAT(FileError("coco", R"({"annotations": []})"), HasSubstr("annotation file"));
   EXPECT_THAT(FileError("coco", R"([{"image_id":1.5,"keypoints":[1,2,0.5]}])"), HasSubstr("a whole number"));
   EXPECT_THAT(FileError("coco", R"([{"image_id":9223372036854775807,"keypoints":[1,2,0.5]}])"),
@@ -339,7 +525,8 @@ TEST(Mmpose, BadContentNamesFileAndPlace) {
       HasSubstr("expected a finite number, found Infinity"));
   EXPECT_THAT(FileError("mmpose", R"([{"frame_id":1,"instances":[]},{"frame_id":1,"instances":[]}])"),
               HasSubstr("both frame 1"));
-  EXPECT_THAT(FileError("mmpose", R"({"meta_info": {}})"), HasSubstr("an object with instance_info"));
+  EXPECT_THAT(FileError("mmpose", R"({"meta_info": {}})"),
+              AllOf(HasSubstr("an object with instance_info"), HasSubstr("found an object with meta_info")));
   EXPECT_THAT(FileError("mmpose", R"({"instance_info": [{"frame_id": 1, "instances": []}]})"),
               HasSubstr("nobody in any of 1 frames"));
 }

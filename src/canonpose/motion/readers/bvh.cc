@@ -17,6 +17,7 @@
 #include "canonpose/motion/channels.h"
 #include "canonpose/motion/landmark_mapping.h"
 #include "canonpose/motion/readers/text_lines.h"
+#include "canonpose/motion/up_axis.h"
 
 namespace canonpose {
 namespace {
@@ -266,27 +267,99 @@ double GuessUnit(const std::string& file, const std::vector<MotionJoint>& joints
   return best->mm;
 }
 
-/// Checks that the positions of a joint other than the root are its offset, as in any articulated body.
-void CheckStretch(const std::string& file, const BvhFile& bvh, const BvhJoint& joint, double largest) {
+/// Where a joint's positions deviate from its offset by more than `largest`: the frame, and the axis in `axis`. -1
+/// where they do not, as in any articulated body.
+std::ptrdiff_t FrameOfStretch(const BvhFile& bvh, const BvhJoint& joint, double largest, int& axis) {
   for (std::size_t c = 0; c < joint.channels.size(); ++c) {
     if (joint.channels[c].is_rotation) continue;
+    axis = joint.channels[c].axis;
     for (std::size_t t = 0; t < bvh.frames; ++t) {
-      const double value = bvh.values[t * bvh.row + joint.first_value + c];
-      const double offset = joint.offset[joint.channels[c].axis];
-      if (std::abs(value - offset) <= largest) continue;
-      ThrowBadInput({file, fmt::format("frame {}", t + 1),
-                     fmt::format("{} at its OFFSET, {:.6g} along {}", joint.name, offset,
-                                 static_cast<char>('x' + joint.channels[c].axis)),
-                     fmt::format("{:.6g}", value), "export it with bones of constant length"});
+      if (std::abs(bvh.values[t * bvh.row + joint.first_value + c] - joint.offset[axis]) > largest)
+        return static_cast<std::ptrdiff_t>(t);
     }
   }
+  return -1;
 }
 
-void AddFrame(const BvhFile& bvh, const std::vector<bool>& is_left_out, std::size_t frame, double unit_mm,
-              ArticulatedMotion& motion) {
-  const double* row = &bvh.values[frame * bvh.row];
+void RefuseStretch(const std::string& file, const BvhFile& bvh, const BvhJoint& joint, double largest) {
+  int axis = 0;
+  const std::ptrdiff_t frame = FrameOfStretch(bvh, joint, largest, axis);
+  if (frame < 0) return;
+  double value = 0.0;
+  for (std::size_t c = 0; c < joint.channels.size(); ++c) {
+    if (!joint.channels[c].is_rotation && joint.channels[c].axis == axis)
+      value = bvh.values[static_cast<std::size_t>(frame) * bvh.row + joint.first_value + c];
+  }
+  ThrowBadInput(
+      {file, fmt::format("frame {}", frame + 1),
+       fmt::format("{} at its OFFSET, {:.6g} along {}", joint.name, joint.offset[axis], static_cast<char>('x' + axis)),
+       fmt::format("{:.6g}", value), "export it with bones of constant length"});
+}
+
+/// Which joints make up the body: all, or those below a joint that carries the motion instead of the root.
+struct Body {
+  int root = 0;
+  std::vector<bool> is_above;  ///< the ancestors of `root`, whose motion becomes part of the root's
+  std::vector<bool> is_below;  ///< `root` and its descendants
+  int left_out = 0;            ///< joints that are neither
+};
+
+Body BodyBelow(const BvhFile& bvh, int root) {
+  Body body;
+  body.root = root;
+  body.is_above.assign(bvh.joints.size(), false);
+  body.is_below.assign(bvh.joints.size(), false);
+  for (int j = bvh.joints[static_cast<std::size_t>(root)].parent; j >= 0;
+       j = bvh.joints[static_cast<std::size_t>(j)].parent) {
+    body.is_above[static_cast<std::size_t>(j)] = true;
+  }
   for (std::size_t j = 0; j < bvh.joints.size(); ++j) {
+    const int parent = bvh.joints[j].parent;
+    body.is_below[j] = static_cast<int>(j) == root || (parent >= 0 && body.is_below[static_cast<std::size_t>(parent)]);
+    body.left_out += body.is_below[j] || body.is_above[j] ? 0 : 1;
+  }
+  return body;
+}
+
+/// Exporters put still joints above the hips ("Armature", "Reference"), which then carry the motion: the first joint
+/// that moves relative to its parent and has nearly all others below it.
+Body FindBody(const BvhFile& bvh, double largest_stretch) {
+  constexpr double kNearlyAll = 0.7;
+  for (std::size_t j = 1; j < bvh.joints.size(); ++j) {
+    int axis = 0;
+    if (FrameOfStretch(bvh, bvh.joints[j], largest_stretch, axis) < 0) continue;
+    Body body = BodyBelow(bvh, static_cast<int>(j));
+    const auto below = std::count(body.is_below.begin(), body.is_below.end(), true);
+    if (static_cast<double>(below) >= kNearlyAll * static_cast<double>(below + body.left_out)) return body;
+  }
+  return BodyBelow(bvh, 0);
+}
+
+/// The joints of the body in the rest pose, z up, in the file's unit; end sites of zero length are left out.
+/// `is_left_out` gets which of the file's joints are not among them.
+std::vector<MotionJoint> JointsOf(const BvhFile& bvh, const Body& body, std::vector<bool>& is_left_out) {
+  std::vector<MotionJoint> joints;
+  std::vector<int> new_index(bvh.joints.size(), -1);
+  is_left_out.assign(bvh.joints.size(), false);
+  for (std::size_t j = 0; j < bvh.joints.size(); ++j) {
+    const BvhJoint& joint = bvh.joints[j];
+    is_left_out[j] = IsEmptyEndSite(joint) || !body.is_below[j];
     if (is_left_out[j]) continue;
+    new_index[j] = static_cast<int>(joints.size());
+    const bool is_root = static_cast<int>(j) == body.root;
+    joints.push_back({joint.name, is_root ? -1 : new_index[static_cast<std::size_t>(joint.parent)],
+                      is_root ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : ZUpFromYUp(joint.offset)});
+  }
+  return joints;
+}
+
+void AddFrame(const BvhFile& bvh, const Body& body, const std::vector<bool>& is_left_out, std::size_t frame,
+              double unit_mm, ArticulatedMotion& motion) {
+  const double* row = &bvh.values[frame * bvh.row];
+  Eigen::Quaterniond world_from_parent = Eigen::Quaterniond::Identity();  // of the body's root
+  Eigen::Vector3d parent_position = Eigen::Vector3d::Zero();
+  for (std::size_t j = 0; j < bvh.joints.size(); ++j) {
+    if (is_left_out[j] && !body.is_above[j]) continue;
     const BvhJoint& joint = bvh.joints[j];
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
     Eigen::Vector3d position = joint.offset;
@@ -299,7 +372,14 @@ void AddFrame(const BvhFile& bvh, const std::vector<bool>& is_left_out, std::siz
         position[channel.axis] = value;
       }
     }
-    if (j == 0) motion.root_position_mm.push_back(ZUpFromYUp(position) * unit_mm);
+    if (static_cast<int>(j) <= body.root && body.root > 0) {
+      parent_position += world_from_parent * position;
+      world_from_parent = world_from_parent * rotation;
+      if (body.is_above[j]) continue;
+      position = parent_position;
+      rotation = world_from_parent;
+    }
+    if (static_cast<int>(j) == body.root) motion.root_position_mm.push_back(ZUpFromYUp(position) * unit_mm);
     motion.parent_from_joint.push_back(ZUpFromYUp(rotation.normalized()));
   }
 }
@@ -313,25 +393,25 @@ ArticulatedMotion ReadBvh(const fs::path& path, double unit_mm) {
   motion.name = path.stem().string();
   motion.subject = fs::absolute(path).parent_path().filename().string();
   motion.fps = bvh.fps;
-  std::vector<int> new_index(bvh.joints.size(), -1);
-  std::vector<bool> is_left_out(bvh.joints.size(), false);
-  for (std::size_t j = 0; j < bvh.joints.size(); ++j) {
-    const BvhJoint& joint = bvh.joints[j];
-    is_left_out[j] = IsEmptyEndSite(joint);
-    if (is_left_out[j]) continue;
-    new_index[j] = static_cast<int>(motion.joints.size());
-    const bool is_root = joint.parent < 0;
-    motion.joints.push_back({joint.name, is_root ? -1 : new_index[static_cast<std::size_t>(joint.parent)],
-                             is_root ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : ZUpFromYUp(joint.offset)});
-  }
+  std::vector<bool> is_left_out;
+  Body body = BodyBelow(bvh, 0);
+  motion.joints = JointsOf(bvh, body, is_left_out);
   if (unit_mm <= 0.0) unit_mm = GuessUnit(file, motion.joints);
+  const double largest_stretch = kLargestStretch * 1700.0 / unit_mm;
+  body = FindBody(bvh, largest_stretch);
+  if (body.root > 0) {
+    motion.joints = JointsOf(bvh, body, is_left_out);
+    LogInfo("{}: {} carries the motion and is taken as the root{}", file, motion.joints.front().name,
+            body.left_out > 0 ? fmt::format("; {} joints beside it are left out", body.left_out) : "");
+  }
   for (MotionJoint& joint : motion.joints) joint.offset_mm *= unit_mm;
   for (std::size_t j = 1; j < bvh.joints.size(); ++j) {
-    CheckStretch(file, bvh, bvh.joints[j], kLargestStretch * 1700.0 / unit_mm);
+    if (!is_left_out[j] && static_cast<int>(j) != body.root) RefuseStretch(file, bvh, bvh.joints[j], largest_stretch);
   }
   motion.root_position_mm.reserve(bvh.frames);
   motion.parent_from_joint.reserve(bvh.frames * motion.joints.size());
-  for (std::size_t t = 0; t < bvh.frames; ++t) AddFrame(bvh, is_left_out, t, unit_mm, motion);
+  for (std::size_t t = 0; t < bvh.frames; ++t) AddFrame(bvh, body, is_left_out, t, unit_mm, motion);
+  StandUpright(motion, file);
   return motion;
 }
 

@@ -90,6 +90,38 @@ TEST(Bvh, PositionsOfJointsOtherThanTheRootMustBeTheirOffset) {
               AllOf(HasSubstr("frame 2"), HasSubstr("The Limb at its OFFSET, 10 along x"), HasSubstr("10.5")));
 }
 
+/// The tiny body below other joints, whose channels have the values `above` in every frame.
+std::string Below(const std::string& channels, const std::string& above, const std::string& offset = "0 0 0") {
+  std::string text = Replaced(Tiny(), "ROOT Hips", "JOINT Hips");
+  text =
+      Replaced(text, "HIERARCHY\n", "HIERARCHY\nROOT Armature\n{\nOFFSET " + offset + "\nCHANNELS " + channels + "\n");
+  text = Replaced(text, "\nMOTION", "\n}\nMOTION");
+  const std::size_t rows = text.find('\n', text.find("Frame Time")) + 1;
+  std::string result = text.substr(0, rows);
+  for (std::size_t i = rows; i < text.size();) {
+    const std::size_t end = text.find('\n', i);
+    if (end > i) result += above + " " + text.substr(i, end - i) + "\n";
+    i = end == std::string::npos ? text.size() : end + 1;
+  }
+  return result;
+}
+
+TEST(Bvh, AStillRootAboveTheMotionIsNotTheRoot) {
+  ExpectHandComputed(Read(Below("0", "")));
+  ExpectHandComputed(Read(Below("6 Xposition Yposition Zposition Zrotation Xrotation Yrotation", "0 0 0 0 0 0")));
+  // What it does becomes part of the motion: here it moves by (1, 2, 3) and turns by 90 degrees about y, which is up.
+  const ArticulatedMotion moved = Read(Below("4 Xposition Yposition Zposition Yrotation", "1 2 3 90"));
+  const ArticulatedMotion plain = Read(Tiny());
+  EXPECT_EQ(moved.joints.front().name, "Hips");
+  for (int t = 0; t < 2; ++t) {
+    const std::map<std::string, Vector3d> expected = PositionsByName(plain, t);
+    for (const auto& [name, at] : PositionsByName(moved, t)) {
+      const Vector3d& before = expected.at(name);
+      EXPECT_LT((at - Vector3d(-before.y() + 10, before.x() - 30, before.z() + 20)).norm(), 1e-6) << name;
+    }
+  }
+}
+
 TEST(Bvh, TheUnitFollowsFromTheStature) {
   struct Case {
     double scale;

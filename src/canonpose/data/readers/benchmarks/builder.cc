@@ -74,6 +74,15 @@ const Skeleton& ParseTrainingTarget(const Skeleton& layout, const std::string& s
   return target == nullptr ? BenchmarkLayout(skeleton) : *target;
 }
 
+bool FitsFloat(double value) { return std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()); }
+
+[[noreturn]] void RefuseValue(const std::vector<double>& values, std::vector<double>::const_iterator bad,
+                              std::size_t joints, std::size_t axes, const std::string& file, const std::string& place) {
+  const auto at = static_cast<std::size_t>(bad - values.begin());
+  ThrowBadInput({file, fmt::format("{}, row {}, joint {}", place, at / (joints * axes), at / axes % joints),
+                 "a coordinate", fmt::format("{}", *bad), "restore the file from a copy or create it again"});
+}
+
 void ChooseCameras(Sequence& sequence, const std::vector<std::string>& wanted, const std::string& file) {
   if (wanted.empty()) return;
   std::vector<std::string> names;
@@ -185,20 +194,27 @@ double MedianProjectionError(const CameraView& view, const Camera& camera) {
 
 void RequireFinite(const std::vector<double>& values, std::size_t joints, std::size_t axes, const std::string& file,
                    const std::string& place) {
-  const auto bad = std::find_if(values.begin(), values.end(), [](double value) {
-    return !(std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()));
-  });
-  if (bad == values.end()) return;
-  const auto at = static_cast<std::size_t>(bad - values.begin());
-  ThrowBadInput({file, fmt::format("{}, row {}, joint {}", place, at / (joints * axes), at / axes % joints),
-                 "a coordinate", fmt::format("{}", *bad), "restore the file from a copy or create it again"});
+  const auto bad = std::find_if_not(values.begin(), values.end(), FitsFloat);
+  if (bad != values.end()) RefuseValue(values, bad, joints, axes, file, place);
+}
+
+void RequireFiniteOrMissing(const std::vector<double>& keypoints, std::size_t joints, const std::string& file,
+                            const std::string& place) {
+  const auto bad = std::find_if_not(keypoints.begin(), keypoints.end(),
+                                    [](double value) { return std::isnan(value) || FitsFloat(value); });
+  if (bad != keypoints.end()) RefuseValue(keypoints, bad, joints, 2, file, place);
 }
 
 void RequirePixels(const std::vector<double>& keypoints, const std::string& file, const std::string& place) {
   constexpr double kLargestFraction = 2.0;
   double largest = 0.0;
-  for (const double value : keypoints) largest = std::max(largest, std::abs(value));
-  if (keypoints.empty() || largest > kLargestFraction) return;
+  bool has_any = false;
+  for (const double value : keypoints) {
+    if (std::isnan(value)) continue;
+    largest = std::max(largest, std::abs(value));
+    has_any = true;
+  }
+  if (!has_any || largest > kLargestFraction) return;
   ThrowBadInput({file, place, "coordinates in pixels",
                  fmt::format("none above {:.3g}, so fractions of the image", largest),
                  "give the file as it was published, before any normalisation"});

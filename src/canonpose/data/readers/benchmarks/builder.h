@@ -1,7 +1,9 @@
 // Shared by the readers of benchmarks: mapping to a skeleton, choosing cameras, checks, and reporting.
 #pragma once
 
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <set>
 #include <string>
 #include <vector>
@@ -56,6 +58,21 @@ double MedianProjectionError(const CameraView& view, const Camera& camera);
 /// Throws Error(kBadInput) at the first value that is not a finite number; the message has its row and joint.
 void RequireFinite(const std::vector<double>& values, std::size_t joints, std::size_t axes, const std::string& file,
                    const std::string& place);
+
+/// Makes keypoints with a coordinate or confidence that is NaN missing: both coordinates NaN, confidence 0. `keypoints`
+/// is (T, joints, 2), `confidence` (T, joints).
+template <typename Confidence>
+void MarkMissing(std::vector<double>& keypoints, std::vector<Confidence>& confidence) {
+  for (std::size_t i = 0; i < confidence.size(); ++i) {
+    if (!std::isnan(keypoints[2 * i]) && !std::isnan(keypoints[2 * i + 1]) && !std::isnan(confidence[i])) continue;
+    keypoints[2 * i] = keypoints[2 * i + 1] = std::numeric_limits<double>::quiet_NaN();
+    confidence[i] = 0;
+  }
+}
+
+/// Throws Error(kBadInput) at the first infinite or huge value of keypoints, (T, joints, 2); NaN is missing.
+void RequireFiniteOrMissing(const std::vector<double>& keypoints, std::size_t joints, const std::string& file,
+                            const std::string& place);
 
 /// Throws Error(kBadInput) where keypoints, (T, joints, 2), are fractions of the image rather than pixels.
 void RequirePixels(const std::vector<double>& keypoints, const std::string& file, const std::string& place);

@@ -55,9 +55,10 @@ std::vector<Rows> ReadCameras(const pickle::Value& root, std::size_t count, cons
         rows.keypoints.push_back(planar[(2 * n + 1) * kDetectedJoints + j]);
       }
     }
-    RequireFinite(rows.keypoints, kDetectedJoints, 2, file, poses[name].place());
-    RequirePixels(rows.keypoints, file, poses[name].place());
     rows.confidence = ReadRows(confidences[name], count, kDetectedJoints).values;
+    MarkMissing(rows.keypoints, rows.confidence);
+    RequireFiniteOrMissing(rows.keypoints, kDetectedJoints, file, poses[name].place());
+    RequirePixels(rows.keypoints, file, poses[name].place());
     RequireFinite(rows.confidence, kDetectedJoints, 1, file, confidences[name].place());
     const auto lowest = std::min_element(rows.confidence.begin(), rows.confidence.end());
     if (lowest != rows.confidence.end() && *lowest < 0.0) {

@@ -184,12 +184,13 @@ View ReadView(const pickle::Numbers& numbers, const pickle::Value& place, const 
     view.keypoints.push_back(numbers.values[i * shape[2]]);
     view.keypoints.push_back(numbers.values[i * shape[2] + 1]);
     const double confidence = view.has_confidence ? numbers.values[i * shape[2] + 2] : 1.0;
-    if (!(confidence >= 0.0 && confidence <= 1.0)) {
+    if (!std::isnan(confidence) && !(confidence >= 0.0 && confidence <= 1.0)) {
       place.Fail("confidences from 0 to 1 in the third column", "", fmt::format("{}", confidence));
     }
     view.confidence.push_back(static_cast<float>(confidence));
   }
-  RequireFinite(view.keypoints, kHuman36mJoints, 2, file.string(), place.place());
+  MarkMissing(view.keypoints, view.confidence);
+  RequireFiniteOrMissing(view.keypoints, kHuman36mJoints, file.string(), place.place());
   RequirePixels(view.keypoints, file.string(), place.place());
   return view;
 }

@@ -21,13 +21,24 @@ int OffsetFrames(const Sequence& sequence, const CameraView& view) {
   return static_cast<int>(std::lround(view.time_offset_seconds * (sequence.fps > 0.0 ? sequence.fps : kDefaultFps)));
 }
 
+/// Whether `solve` left out what a view shows in its own frame `frame`, as it does where a view does not fit the
+/// others.
+bool IsLeftOut(const Sequence& sequence, const CameraView& view, int frame) {
+  const auto knows_any = [](const PoseSequence& poses, int t) {
+    return t < poses.frame_count() && poses.PoseAt(t).array().isFinite().any();
+  };
+  if (view.solved.empty() || knows_any(view.solved, frame)) return false;
+  return std::ranges::any_of(sequence.cameras, [&](const CameraView& other) { return knows_any(other.solved, frame); });
+}
+
 /// What a view shows in its own frame `frame`, which may be outside of the sequence.
 PointObservation Observe(const Sequence& sequence, const CameraView& view, int frame, std::size_t joint,
                          std::size_t joint_count) {
   PointObservation observation;
   if (view.calibration.empty() || frame < 0 || frame >= sequence.frame_count) return observation;
-  const std::size_t i = static_cast<std::size_t>(frame) * joint_count + joint;
   observation.camera = &view.CalibrationAt(frame);
+  if (IsLeftOut(sequence, view, frame)) return observation;
+  const std::size_t i = static_cast<std::size_t>(frame) * joint_count + joint;
   observation.pixel = {view.keypoints[2 * i], view.keypoints[2 * i + 1]};
   observation.confidence = view.confidence[i];
   return observation;

@@ -23,15 +23,16 @@ constexpr double kRotationSeconds = 0.5;
 /// Runs of consecutive frames that moving cameras are calibrated from.
 constexpr int kRuns = 6;
 constexpr int kRunFrames = 50;
+constexpr int kMovingIterations = 15;
 
 /// Adjusts with the scatter of keypoints as it was measured last, and measures it again.
 AdjustmentSummary AdjustToNoise(const CaptureObservations& capture, std::span<const int> frames, int fixed_view,
-                                Solution& solution) {
+                                int max_iterations, Solution& solution) {
   AdjustmentOptions options;
   options.fixed_view = fixed_view;
   options.scales = solution.scales;
   options.loss_scale = kLossScale;
-  options.iterations = capture.static_cameras ? 100 : 15;
+  options.iterations = max_iterations;
   AdjustmentSummary summary = Adjust(capture, frames, options, solution.estimate);
   if (summary.IsUsable()) solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
   return summary;
@@ -39,7 +40,7 @@ AdjustmentSummary AdjustToNoise(const CaptureObservations& capture, std::span<co
 
 /// Adjusts first with a wide loss, since the start may be far off, then by AdjustToNoise().
 AdjustmentSummary AdjustTwice(const CaptureObservations& capture, std::span<const int> frames, int fixed_view,
-                              Solution& solution) {
+                              int max_iterations, Solution& solution) {
   const bool has_joints =
       std::ranges::any_of(solution.estimate.joints, [](const Eigen::Vector3d& joint) { return joint.allFinite(); });
   if (!has_joints) {
@@ -56,7 +57,7 @@ AdjustmentSummary AdjustTwice(const CaptureObservations& capture, std::span<cons
   AdjustmentSummary coarse = Adjust(capture, frames, options, solution.estimate);
   if (!coarse.IsUsable()) return coarse;
   solution.scales.observation = MeasureNoise(capture, frames, solution.estimate);
-  return AdjustToNoise(capture, frames, fixed_view, solution);
+  return AdjustToNoise(capture, frames, fixed_view, max_iterations, solution);
 }
 
 /// What one of the two mirrors came to after each adjustment; the last is the result.
@@ -142,7 +143,8 @@ Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOp
     Solution solution;
     solution.mirrored = mirrored;
     solution.estimate = InitialiseStatic(capture, frames, camera_from_world, mirrored);
-    solution.calibration = AdjustTwice(capture, frames, ReferenceView(camera_from_world), solution);
+    solution.calibration =
+        AdjustTwice(capture, frames, ReferenceView(camera_from_world), options.max_iterations, solution);
     return Stages{std::move(solution)};
   });
 }
@@ -160,12 +162,12 @@ Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOp
     solution.mirrored = mirrored;
     solution.estimate = InitialiseMoving(capture, usable, camera_from_world, mirrored);
     solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
-    solution.calibration = AdjustTwice(capture, frames, -1, solution);
+    solution.calibration = AdjustTwice(capture, frames, -1, kMovingIterations, solution);
     if (!solution.calibration.IsUsable()) return Stages{std::move(solution)};
     solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);
     Stages stages{solution};
     // Once more with the measured angular velocity: a lead that only one of the adjustments shows is chance.
-    solution.calibration = AdjustToNoise(capture, frames, -1, solution);
+    solution.calibration = AdjustToNoise(capture, frames, -1, kMovingIterations, solution);
     if (!solution.calibration.IsUsable()) return Stages{std::move(solution)};
     solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);
     SpreadFocalLengths(capture, frames, solution);

@@ -16,6 +16,7 @@ struct CalibrationOptions {
   std::string mirror = "auto";  ///< auto, keep or flip; see SolveOptions (solver.h)
   int frames = 400;             ///< of a static capture
   int threads = 1;
+  int max_iterations = 100;  ///< of the bundle adjustment of a static capture
 };
 
 /// Finds the cameras of a static capture and the bone lengths of its subjects from evenly spread frames, and sets the

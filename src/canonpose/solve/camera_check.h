@@ -45,7 +45,9 @@ void DropView(CaptureObservations& capture, int view);
 /// time that do not fit are left out, and so are views of which nothing fits. Calibrates again after every change:
 /// `solution` is the calibration of `capture` before and after. Of two cameras neither is left out, since nothing says
 /// which one is wrong. Stops at the first calibration that fails; `solution` then says so.
-CameraCheck CheckCameras(CaptureObservations& capture, const Calibrate& calibrate, Solution& solution);
+/// `calibrate_quickly` finds out which views agree; it may be less exact.
+CameraCheck CheckCameras(CaptureObservations& capture, const Calibrate& calibrate, const Calibrate& calibrate_quickly,
+                         Solution& solution);
 
 /// The median distance of all keypoints from the projected joints of a solution, in body units.
 double MedianError(const CaptureObservations& capture, const Solution& solution);

@@ -65,7 +65,7 @@ TEST(CheckCameras, LeavesGoodCamerasAlone) {
   CaptureObservations capture = Observe(testing::Simulate(testing::SmallSimulation()).dataset);
   const CaptureObservations before = capture;
   Solution solution = Quickly()(capture);
-  const CameraCheck check = CheckCameras(capture, Quickly(), solution);
+  const CameraCheck check = CheckCameras(capture, Quickly(), Quickly(), solution);
   for (const std::vector<ViewCorrection>& corrections : check.corrections) {
     for (const ViewCorrection& correction : corrections) EXPECT_TRUE(correction.IsNone());
   }
@@ -79,7 +79,7 @@ TEST(CheckCameras, FindsADelayInOneClip) {
   CaptureObservations capture = Observe(testing::Simulate(options).dataset);
   ShiftView(capture, 0, 1, 5);
   Solution solution = Quickly()(capture);
-  const CameraCheck check = CheckCameras(capture, Quickly(), solution);
+  const CameraCheck check = CheckCameras(capture, Quickly(), Quickly(), solution);
   for (int v = 0; v < capture.view_count(); ++v) {
     EXPECT_EQ(check.At(0, v).offset_frames, v == 1 ? -5 : 0);
     EXPECT_EQ(check.At(1, v).offset_frames, 0);
@@ -99,7 +99,7 @@ TEST(CheckCameras, DropsACameraThatShowsSomebodyElse) {
   }
   CaptureObservations capture = Observe(simulated.dataset);
   Solution solution = Quickly()(capture);
-  const CameraCheck check = CheckCameras(capture, Quickly(), solution);
+  const CameraCheck check = CheckCameras(capture, Quickly(), Quickly(), solution);
   EXPECT_THAT(check.dropped, ElementsAre(false, false, true, false));
   EXPECT_FALSE(solution.estimate.CameraAt(0, 2).valid);
   EXPECT_LT(MedianError(capture, solution), 0.006);
@@ -112,7 +112,7 @@ TEST(CheckCameras, ReadsAMirroredCameraAsItShouldBe) {
   mirror.reading.is_mirrored = mirror.reading.sides_are_exchanged = true;
   for (int clip = 0; clip < 2; ++clip) ApplyCorrection(mirror, clip, 2, capture);
   Solution solution = Quickly()(capture);
-  const CameraCheck check = CheckCameras(capture, Quickly(), solution);
+  const CameraCheck check = CheckCameras(capture, Quickly(), Quickly(), solution);
   for (int clip = 0; clip < 2; ++clip) {
     EXPECT_TRUE(check.At(clip, 2).reading.is_mirrored);
     EXPECT_THAT(check.At(clip, 2).bad, ::testing::IsEmpty());

@@ -15,9 +15,20 @@ constexpr double kWindowSeconds = 0.5;
 constexpr int kMinWindowFrames = 5;
 constexpr double kOutlyingScatters = 5.0;
 // Measured by experiments/damaged on good captures and on captures that were damaged.
-constexpr double kAlarmingDisagreement = 0.03;
+constexpr double kAlarmingDisagreement = 0.012;
 constexpr double kAlarmingWindow = 0.05;
 constexpr double kAlarmingOutliers = 0.08;
+
+/// How much of the distance between a keypoint and a joint that other views triangulate is the keypoint's own: its
+/// scatter relative to that of both together, in the view's image.
+double OwnShare(const RobustPoint& joint, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& in_camera,
+                double scatter) {
+  Eigen::Matrix<double, 2, 3> rows = rotation.topRows<2>();
+  rows -= in_camera.head<2>() / in_camera.z() * rotation.row(2);
+  const Eigen::Matrix2d of_joint = rows * joint.information.inverse() * rows.transpose();
+  const double variance = 0.5 * of_joint.trace();
+  return std::isfinite(variance) && variance >= 0.0 ? scatter / std::sqrt(scatter * scatter + variance) : 0.0;
+}
 
 /// Errors of a view's keypoints in one frame.
 std::vector<double> FrameErrors(const CaptureObservations& capture, const Solution& solution, int frame, int view,
@@ -26,19 +37,20 @@ std::vector<double> FrameErrors(const CaptureObservations& capture, const Soluti
   const CameraEstimate& camera = solution.estimate.CameraAt(frame, view);
   if (!camera.valid) return errors;
   const int left_out = solution.estimate.ValidViews(frame).size() > 2 ? view : -1;
-  const auto error_of = [&](int j, int without) {
-    const RobustPoint joint = TriangulateJoint(capture, frame, j, solution.scales, solution.estimate, without);
-    if (!joint.point.allFinite()) return std::nan("");
-    return DistanceInFront(solution.estimate.InCamera(frame, view, joint.point), camera.Focal(),
-                           capture.At(frame, view, j));
-  };
   for (int j = 0; j < capture.joint_count(); ++j) {
     if (!capture.Sees(frame, view, j)) continue;
-    const double error = error_of(j, left_out);
+    const double usual = solution.scales.observation.Scatter(j, capture.confidence[capture.Index(frame, view, j)]);
+    const auto error_of = [&](int without) {
+      const RobustPoint joint = TriangulateJoint(capture, frame, j, solution.scales, solution.estimate, without);
+      if (!joint.point.allFinite()) return std::nan("");
+      const Eigen::Vector3d in_camera = solution.estimate.InCamera(frame, view, joint.point);
+      const double error = DistanceInFront(in_camera, camera.Focal(), capture.At(frame, view, j));
+      return without < 0 ? error : error * OwnShare(joint, camera.Rotation(), in_camera, usual);
+    };
+    const double error = error_of(left_out);
     if (!std::isfinite(error)) continue;
     errors.push_back(error);
-    const double usual = solution.scales.observation.Scatter(j, capture.confidence[capture.Index(frame, view, j)]);
-    if (error_of(j, -1) > kOutlyingScatters * usual) ++outliers;
+    if (error_of(-1) > kOutlyingScatters * usual) ++outliers;
   }
   return errors;
 }

@@ -8,7 +8,7 @@
 
 namespace canonpose {
 
-/// Distances are in body units.
+/// Distances are in body units, and scaled down where the other views determine a joint less well than a keypoint does.
 struct ViewSigns {
   bool known = false;         ///< false where the view has no camera, or nothing to compare
   double disagreement = 0.0;  ///< median over the capture

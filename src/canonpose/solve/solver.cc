@@ -26,6 +26,10 @@
 namespace canonpose {
 namespace {
 
+/// Enough to see whether cameras agree.
+constexpr int kQuickFrames = 120;
+constexpr int kQuickIterations = 25;
+
 /// A capture between the stages.
 struct CaptureWork {
   CaptureReport report;
@@ -50,7 +54,13 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options, Capt
   };
   work.solution = calibrate(capture);
   if (work.solution.calibration.IsUsable()) {
-    work.check = CheckCameras(capture, calibrate, work.solution);
+    CalibrationOptions quick = calibration;
+    quick.frames = kQuickFrames;
+    quick.max_iterations = kQuickIterations;
+    const Calibrate calibrate_quickly = [&](const CaptureObservations& some) {
+      return some.static_cameras ? CalibrateStatic(some, quick) : CalibrateMoving(some, quick);
+    };
+    work.check = CheckCameras(capture, calibrate, calibrate_quickly, work.solution);
     work.report.findings = MakeFindings(capture, *work.check);
   }
   work.report.calibration = work.solution.calibration;

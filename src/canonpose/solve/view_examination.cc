@@ -19,8 +19,8 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 /// A view fits in a frame if the median joint is nearer than this to where the others see it, in body units, or nearer
 /// than this multiple of the keypoints' scatter or of what it is in the frames that fit. Usually it is 0.5 to 1 %, and
 /// 2 to 10 % where a view shows something else.
-constexpr double kFitsInFrame = 0.012;
-constexpr double kFitsScatters = 4.0;
+constexpr double kFitsInFrame = 0.02;
+constexpr double kFitsScatters = 5.0;
 constexpr double kFitsRelative = 3.0;
 /// Larger errors count as this, and so do frames that cannot be compared.
 constexpr double kWorstError = 0.03;
@@ -30,8 +30,9 @@ constexpr double kShareThatFits = 0.9;
 /// fit.
 constexpr double kReadingGain = 0.75;
 constexpr double kReadingError = 1.5;
-/// The second best time must be worse by this factor; otherwise the motion repeats itself and says nothing about time.
-constexpr double kUniqueTime = 1.25;
+/// Another time must gain less than this share of what the best one gains; otherwise the motion repeats itself and says
+/// nothing about time.
+constexpr double kUniqueTime = 0.85;
 constexpr double kOtherTimeSeconds = 0.4;
 /// Times are compared in about this many frames of the view, and cameras fitted to so many.
 constexpr std::size_t kSearchFrames = 40;
@@ -229,9 +230,10 @@ std::optional<ViewReading> Examiner::FindTime(ViewReading reading) const {
   const int min_overlap = std::max(kMinOverlap, count / 4);
   struct Candidate {
     double offset;
-    double error;
+    double gain;  ///< share of the frames that overlap, times what they fit better than badly
   };
   std::vector<Candidate> candidates;
+  const double possible = count / std::max(1.0, std::abs(rate));
   const auto evaluate = [&](double offset) {
     reading.time.offset = offset;
     // The view's frames whose time lies in the clip.
@@ -243,7 +245,9 @@ std::optional<ViewReading> Examiner::FindTime(ViewReading reading) const {
       }
     }
     if (static_cast<int>(frames.size()) < min_overlap * std::min(1.0, 1.0 / std::abs(rate))) return;
-    candidates.push_back({offset, ErrorAtTime(reading, EvenlySpread(frames, static_cast<int>(kSearchFrames)))});
+    const double error = ErrorAtTime(reading, EvenlySpread(frames, static_cast<int>(kSearchFrames)));
+    const double overlap = static_cast<double>(frames.size()) / possible;
+    candidates.push_back({offset, overlap * std::max(0.0, kWorstError - error)});
   };
   const double span = std::abs(rate) * count;
   const double from = rate > 0.0 ? min_overlap - span : min_overlap - 1.0;
@@ -251,13 +255,13 @@ std::optional<ViewReading> Examiner::FindTime(ViewReading reading) const {
   const double step = std::max(1.0, std::round(clip_.fps / 12.0));
   for (double offset = std::ceil(from); offset <= to; offset += step) evaluate(offset);
   if (candidates.empty()) return std::nullopt;
-  const auto best_of = [&] { return *std::ranges::min_element(candidates, {}, &Candidate::error); };
+  const auto best_of = [&] { return *std::ranges::max_element(candidates, {}, &Candidate::gain); };
   const Candidate coarse = best_of();
   for (double offset = coarse.offset - step; offset <= coarse.offset + step; offset += 1.0) evaluate(offset);
   const Candidate best = best_of();
   for (const Candidate& other : candidates) {
     if (std::abs(other.offset - best.offset) < kOtherTimeSeconds * clip_.fps * std::max(1.0, std::abs(rate))) continue;
-    if (other.error < kUniqueTime * best.error) return std::nullopt;
+    if (other.gain > kUniqueTime * best.gain) return std::nullopt;
   }
   reading.time.offset = best.offset;
   return reading;
@@ -352,21 +356,18 @@ void Examiner::NameFault(const ViewFit& fit, double limit, BadStretch& stretch) 
 
 ViewExamination Examiner::Examine() const {
   std::vector<ViewFit> fits = {Fit({})};
-  if (fits.front().share < kShareThatFits) {
-    std::vector<ViewReading> readings = OtherReadings();
-    std::vector<double> errors;
-    for (const ViewReading& reading : readings) {
-      errors.push_back(ErrorAtTime(reading, EvenlySpread(ComparableFrames(reading), static_cast<int>(kSearchFrames))));
-    }
-    const double least = errors.empty() ? 0.0 : *std::ranges::min_element(errors);
-    for (std::size_t i = 0; i < readings.size(); ++i) {
-      if (errors[i] <= kHopeless * least) fits.push_back(Fit(readings[i]));
-    }
+  const std::vector<ViewReading> readings = OtherReadings();
+  std::vector<double> errors;
+  for (const ViewReading& reading : readings) {
+    errors.push_back(ErrorAtTime(reading, EvenlySpread(ComparableFrames(reading), static_cast<int>(kSearchFrames))));
+  }
+  const double least = errors.empty() ? 0.0 : *std::ranges::min_element(errors);
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    if (errors[i] <= kHopeless * least) fits.push_back(Fit(readings[i]));
   }
   const double least_error = std::ranges::min_element(fits, {}, &ViewFit::error)->error;
   std::size_t chosen = 0;
   for (std::size_t i = 1; i < fits.size(); ++i) {
-    if (getenv("DBG"))
       fprintf(stderr,
               "view %d m%d x%d rate %g off %g: share %.2f error %.4f bad %.4f compared %d | obvious %.2f %.4f %.4f\n",
               view_, fits[i].reading.is_mirrored, fits[i].reading.sides_are_exchanged, fits[i].reading.time.rate,

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/lift/lifter.h"
+#include "canonpose/lift/pose_lifter.h"
 
 namespace canonpose {
 namespace {

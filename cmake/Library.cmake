@@ -1,5 +1,5 @@
-# canonpose::canonpose, the installed library: everything below the command line in one shared library, so that a project that uses
-# it needs Eigen's and fmt's headers and nothing else.
+# canonpose::canonpose, the installed library: all folders but cli in one shared library, so that a project that uses it
+# needs Eigen's and fmt's headers and nothing else.
 
 # The promise: headers that keep working. Those that they include are installed with them, but may change.
 set(CANONPOSE_PUBLIC_HEADERS

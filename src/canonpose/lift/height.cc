@@ -1,3 +1,4 @@
+// Poses in millimetres, from a person's height: ScaleToHeight() of pose_lifter.h.
 #include <algorithm>
 #include <cmath>
 #include <string>

@@ -1,3 +1,4 @@
+// Poses smoothed over time: Smooth() of pose_lifter.h.
 #include <algorithm>
 #include <cmath>
 #include <iterator>

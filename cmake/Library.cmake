@@ -1,5 +1,5 @@
-# canonpose::canonpose, the installed library: everything below the command line in one shared library, so that a project that uses
-# it needs Eigen's and fmt's headers and nothing else.
+# canonpose::canonpose, the installed library: all folders but cli in one shared library, so that a project that uses it
+# needs Eigen's and fmt's headers and nothing else.
 
 # The promise: headers that keep working. Those that they include are installed with them, but may change.
 set(CANONPOSE_PUBLIC_HEADERS
@@ -14,7 +14,7 @@ set(CANONPOSE_PUBLIC_HEADERS
   export/lift_output.h
   pipeline/bootstrap.h pipeline/evaluate_datasets.h)
 if(CANONPOSE_WITH_TORCH)
-  list(APPEND CANONPOSE_PUBLIC_HEADERS train/trainer.h lift/lifter.h pipeline/solve_then_train.h)
+  list(APPEND CANONPOSE_PUBLIC_HEADERS train/trainer.h lift/pose_lifter.h pipeline/solve_then_train.h)
 endif()
 
 # canonpose_headers_included(HEADERS...): sets `headers` to them and all that they include of ours.

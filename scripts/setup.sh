@@ -41,11 +41,15 @@ install_packages() {
   rm -f "$log"
 }
 
+# build_folder PRESET: where the preset builds (CMakePresets.json).
+build_folder() {
+  [ "$1" = release ] && echo build || echo "build-$1"
+}
+
 # forget_other_place PRESET: removes the build folder if the source folder was moved or copied, because CMake refuses to use it then.
 forget_other_place() {
-  local folder=build
-  [ "$1" = release ] || folder=build-$1
-  local home
+  local folder home
+  folder=$(build_folder "$1")
   home=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$folder/CMakeCache.txt" 2>/dev/null) || return 0
   [ -z "$home" ] || [ "$home" = "$PWD" ] || rm -rf "$folder"
 }

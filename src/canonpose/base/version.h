@@ -4,6 +4,6 @@
 namespace canonpose {
 
 /// "0.1.0", from the project's CMakeLists.txt.
-inline const char* ProgramVersion() { return CANONPOSE_VERSION; }
+const char* ProgramVersion();
 
 }  // namespace canonpose

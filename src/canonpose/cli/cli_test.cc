@@ -502,16 +502,19 @@ TEST(Program, InterruptedTrainingSavesAndSaysHowToContinue) {
   WriteData(folder / "data.h5");
   std::vector<std::string> arguments = TrainArguments(folder / "data.h5", folder / "run");
   arguments.insert(arguments.end(), {"--epochs", "100000"});
-  const pid_t child = Start(arguments, folder / "out", folder / "err");
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
-  while (!fs::exists(folder / "run/metrics.jsonl") && std::chrono::steady_clock::now() < deadline) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (const int signal : {SIGINT, SIGTERM}) {
+    fs::remove_all(folder / "run");
+    const pid_t child = Start(arguments, folder / "out", folder / "err");
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+    while (!fs::exists(folder / "run/metrics.jsonl") && std::chrono::steady_clock::now() < deadline) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    kill(child, signal);
+    EXPECT_EQ(Wait(child), 128 + signal);
+    EXPECT_THAT(ReadFile(folder / "err"), HasSubstr("--resume"));
+    EXPECT_TRUE(fs::exists(folder / "run/checkpoint.h5"));
+    EXPECT_FALSE(fs::exists(folder / "run/model.cpm"));
   }
-  kill(child, SIGINT);
-  EXPECT_EQ(Wait(child), 130);
-  EXPECT_THAT(ReadFile(folder / "err"), HasSubstr("--resume"));
-  EXPECT_TRUE(fs::exists(folder / "run/checkpoint.h5"));
-  EXPECT_FALSE(fs::exists(folder / "run/model.cpm"));
 }
 
 TEST(Program, KilledAtTwentyRandomMomentsAndResumedGivesTheSameBits) {

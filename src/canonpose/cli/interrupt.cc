@@ -33,6 +33,6 @@ StopOnSignal::~StopOnSignal() {
   for (int i = 0; i < 2; ++i) sigaction(kSignals[i], &previous_actions[i], nullptr);
 }
 
-int StopOnSignal::exit_code() const { return 128 + received_signal; }
+int StopOnSignal::exit_code() { return 128 + received_signal; }
 
 }  // namespace canonpose

@@ -1,4 +1,5 @@
-// Ctrl-C and SIGTERM ask long work to stop at its next safe point.
+// Ctrl-C and SIGTERM ask `train`, `train-morph` and `simulate` to stop at the next safe point; these then exit with 128
+// + the signal's number. Other commands leave signals to the system, which ends them at once.
 #pragma once
 
 #include "canonpose/base/callbacks.h"
@@ -14,8 +15,9 @@ class StopOnSignal {
   StopOnSignal(const StopOnSignal&) = delete;
   StopOnSignal& operator=(const StopOnSignal&) = delete;
 
-  /// 128 + the signal received, as in shells; 128 if there was none.
-  [[nodiscard]] int exit_code() const;
+  /// 128 + the signal that the last of these objects received, as in shells: 130 after SIGINT, 143 after SIGTERM. 128
+  /// if there was none.
+  [[nodiscard]] static int exit_code();
 
  private:
   CallbackScope scope_;

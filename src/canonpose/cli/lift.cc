@@ -18,7 +18,7 @@
 #include "canonpose/data/dataset.h"
 #include "canonpose/data/import.h"
 #include "canonpose/export/lift_output.h"
-#include "canonpose/lift/lifter.h"
+#include "canonpose/lift/pose_lifter.h"
 
 namespace canonpose {
 namespace {

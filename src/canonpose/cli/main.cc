@@ -15,6 +15,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/version.h"
 #include "canonpose/cli/commands.h"
+#include "canonpose/cli/interrupt.h"
 #include "canonpose/cli/option_names.h"
 #include "canonpose/cli/terminal.h"
 #include "canonpose/cli/usage.h"
@@ -23,27 +24,27 @@
 namespace canonpose {
 namespace {
 
-/// Exit codes of the command line, a contract with callers.
+/// Exit codes of the command line, a contract with callers. Commands that a signal stops exit with 128 + its number
+/// (interrupt.h): 130, or 143 after SIGTERM.
 enum class ExitCode {
   kDone = 0,
   kUsage = 2,
   kBadInput = 3,     ///< a file cannot be what it should be, or cannot be read or written
   kComputation = 4,  ///< the computation failed: diverged, too few views, ...
-  kStopped = 130,
 };
 
-ExitCode ExitCodeOf(ErrorKind kind) {
+int ExitCodeOf(ErrorKind kind) {
   switch (kind) {
     case ErrorKind::kInvalidArgument:
-      return ExitCode::kUsage;
+      return static_cast<int>(ExitCode::kUsage);
     case ErrorKind::kBadInput:
-      return ExitCode::kBadInput;
+      return static_cast<int>(ExitCode::kBadInput);
     case ErrorKind::kComputation:
-      return ExitCode::kComputation;
+      return static_cast<int>(ExitCode::kComputation);
     case ErrorKind::kStopped:
-      return ExitCode::kStopped;
+      return StopOnSignal::exit_code();
   }
-  return ExitCode::kComputation;
+  return static_cast<int>(ExitCode::kComputation);
 }
 
 /// Failures of libraries, in one line: LibTorch's end in a stack of C++ frames.
@@ -73,7 +74,7 @@ int Main(int argc, char** argv) {
   app.set_version_flag("--version", ProgramVersion());
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 the computation failed, 130 interrupted.\n"
+      "Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 the computation failed, 130 interrupted (143 by SIGTERM).\n"
       "canonpose help COMMAND shows the options of a command.");
 
   const std::shared_ptr<const void> one_thread = UseOneThread();  // training has its own
@@ -95,7 +96,7 @@ int Main(int argc, char** argv) {
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
     app.parse(std::move(arguments));
     return FinishOutput(terminal);
-  } catch (const CLI::RuntimeError& stop) {
+  } catch (const CLI::RuntimeError& stop) {  // a signal stopped the command, which has said so
     return stop.get_exit_code();
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) {  // --help, --version
@@ -106,7 +107,7 @@ int Main(int argc, char** argv) {
     return static_cast<int>(ExitCode::kUsage);
   } catch (const Error& error) {
     terminal.Print("error: " + SpellOptions(error.what(), app, IsTrainingOption));
-    return static_cast<int>(ExitCodeOf(error.kind()));
+    return ExitCodeOf(error.kind());
   } catch (const std::bad_alloc&) {
     return ReportUnexpected(terminal, "out of memory");
   } catch (const std::filesystem::filesystem_error& error) {

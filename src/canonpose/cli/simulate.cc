@@ -141,7 +141,7 @@ void RunSimulate(const SimulateArguments& arguments) {
   DetectorStatistics statistics(simulator.layout());
   VisibilityCheck visibility(simulator.skeleton());
 
-  const StopOnSignal stop;
+  const StopOnSignal stop_on_signal;
   Progress progress("clip", simulator.clip_count());
   ClipStream clips(simulator, arguments.threads);
   long frames = 0;
@@ -157,7 +157,7 @@ void RunSimulate(const SimulateArguments& arguments) {
     progress.Update(++done, clip->sequence.name);
     if (StopRequested()) {
       LogInfo("stopped; nothing was written");
-      throw CLI::RuntimeError(stop.exit_code());
+      throw CLI::RuntimeError(StopOnSignal::exit_code());
     }
   }
   visibility.Report();

@@ -106,11 +106,11 @@ void RunTrain(const TrainArguments& arguments) {
     if (!arguments.frames.empty()) KeepFrames(job.datasets.back(), FrameRange::Parse(arguments.frames), path.string());
   }
 
-  const StopOnSignal stop;
+  const StopOnSignal stop_on_signal;
   const TrainReport report = job.options.supervision == Supervision::kSolved ? SolveThenTrain(job) : Train(job);
   if (report.stopped) {
     LogInfo("stopped and saved; to continue, run the same command with --resume");
-    throw CLI::RuntimeError(stop.exit_code());
+    throw CLI::RuntimeError(StopOnSignal::exit_code());
   }
   const std::string perspective = job.options.perspective == PerspectiveForm::kLearned
                                       ? fmt::format(", perspective factor {:.2f}", report.model.info.perspective)

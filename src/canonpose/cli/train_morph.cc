@@ -68,11 +68,11 @@ MorphJob MakeJob(const TrainMorphArguments& arguments) {
 void RunTrainMorph(const TrainMorphArguments& arguments) {
   const MorphJob job = MakeJob(arguments);
   LogInfo("{} pairs of detected and true 2D poses", job.pairs.count());
-  const StopOnSignal stop;
+  const StopOnSignal stop_on_signal;
   const MorphReport report = TrainMorph(job);
   if (report.stopped) {
     LogInfo("stopped and saved; to continue, run the same command with --resume");
-    throw CLI::RuntimeError(stop.exit_code());
+    throw CLI::RuntimeError(StopOnSignal::exit_code());
   }
   LogInfo("joints of held-out poses are off by {:.2f} % of the pose's size, {:.2f} % before; the model is {}",
           report.after_percent, report.before_percent, (job.run_folder / "model.cpm").string());

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canonpose/base/error.h"
-#include "canonpose/lift/lifter.h"
+#include "canonpose/lift/pose_lifter.h"
 #include "canonpose/model/pose_morph.h"
 #include "canonpose/model/runtime.h"
 #include "canonpose/pipeline/model_poses.h"

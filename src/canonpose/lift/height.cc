@@ -1,3 +1,4 @@
+// Poses in millimetres, from a person's height: ScaleToHeight() of pose_lifter.h.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -7,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
-#include "canonpose/lift/lifter.h"
+#include "canonpose/lift/pose_lifter.h"
 
 namespace canonpose {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "canonpose/base/random.h"
 #include "canonpose/base/testing.h"
-#include "canonpose/lift/lifter.h"
+#include "canonpose/lift/pose_lifter.h"
 
 namespace canonpose {
 namespace {

@@ -1,4 +1,4 @@
-// What self-calibration starts from: rough poses of every view.
+// The start of self-calibration: rough poses of every view, from which `solve` finds cameras and better poses.
 #pragma once
 
 #include <cstdint>
@@ -11,21 +11,26 @@
 namespace canonpose {
 
 struct BootstrapOptions {
-  /// auto, starter (the lifter that comes with the program), method (a lifter trained now on the dataset itself) or
-  /// factorisation (no lifter; static cameras).
+  /// What the poses come from, if `model` names no lifter:
+  ///
+  ///   starter        the lifter that comes with the program, trained on simulated people; any cameras, but only a
+  ///                  person's joints (StarterKnows(), train/starter.h)
+  ///   factorisation  a factorisation of the keypoints (solve/factorisation.h): no lifter, any body; static cameras
+  ///   method         a lifter that is trained now on the dataset itself, by the method (preset plus); any body, any
+  ///                  cameras
+  ///   auto           the starter for people; for other bodies factorisation if all cameras are static, or else method
   std::string kind = "auto";
-  std::filesystem::path model;  ///< a model or run to start from instead; empty: none
+  std::filesystem::path model;  ///< a run or model file of a lifter of your own; empty: none
   /// Where `method` trains; a run that was interrupted there is continued. Empty: nothing is written.
   std::filesystem::path run_folder;
-  std::uint64_t seed = 0;
+  std::uint64_t seed = 0;  ///< of `method`, which alone involves chance
   int threads = 0;
   std::string device = "cpu";
 };
 
-/// Poses of each view of the dataset: from the lifter named by the options, or from the starter that comes with the
-/// program. For bodies other than people's they come from a factorisation if all cameras are static, otherwise from a
-/// lifter that is trained now on the dataset itself by the method. `file` is the dataset's name for messages. Throws
-/// Error.
+/// The start for a dataset; `file` is its name for messages. Throws Error(kBadInput) where the dataset lacks what
+/// the start needs, and Error(kStopped) where training was stopped. A build without LibTorch has only the factorisation
+/// and throws Error(kInvalidArgument) for the others.
 StartPoses Bootstrap(const Dataset& dataset, const std::string& file, const BootstrapOptions& options);
 
 }  // namespace canonpose

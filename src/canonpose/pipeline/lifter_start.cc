@@ -9,7 +9,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
-#include "canonpose/lift/lifter.h"
+#include "canonpose/lift/pose_lifter.h"
 #include "canonpose/skeleton/mapping.h"
 #include "canonpose/train/starter.h"
 #include "canonpose/train/trainer.h"

@@ -1,4 +1,4 @@
-// Start poses for the self-calibration that come from a lifter. A build without LibTorch has none
+// The starts of self-calibration that need a lifter. A build without LibTorch has none
 // (lifter_start_absent.cc).
 #pragma once
 

@@ -1,7 +1,7 @@
 // A model's poses, for evaluation.
 #pragma once
 
-#include "canonpose/lift/lifter.h"
+#include "canonpose/lift/pose_lifter.h"
 #include "canonpose/pipeline/evaluate_datasets.h"
 
 namespace canonpose {

@@ -20,15 +20,15 @@ struct CalibrationOptions {
 };
 
 /// Finds the cameras of a static capture and the bone lengths of its subjects from evenly spread frames, and sets the
-/// joints of these frames only. Starts from the relative rotations of the lifter's poses, averaged over the capture.
+/// joints of these frames only. Begins with the relative rotations of the start's poses, averaged over the capture.
 /// Solution::calibration says whether it succeeded.
 Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOptions& options);
 
 /// The same for moving cameras, from short runs of frames. In all other frames cameras and joints keep the first
-/// estimate from the lifter's poses, but with the focal lengths found in the runs.
+/// estimate from the start's poses, but with the focal lengths found in the runs.
 Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOptions& options);
 
-/// The frames in which at least two views were lifted.
+/// The frames in which at least two views have a start pose.
 std::vector<int> FramesWithStart(const CaptureObservations& capture);
 
 }  // namespace canonpose

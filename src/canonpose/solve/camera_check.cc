@@ -171,10 +171,6 @@ std::optional<Consensus> Examination::ConsensusWithout(const std::vector<ViewSig
     std::vector<int> views = known;
     std::erase(views, v);
     std::optional<Consensus> candidate = Agree(capture_, calibrate_quickly_, views);
-      fprintf(stderr, "view without %d: error %.4f all %.4f\n", v, candidate->error, limit);
-      for (auto& g : MeasureSigns(candidate->capture, candidate->solution))
-        fprintf(stderr, "view   %d dis %.4f win %.4f out %.3f\n", g.known, g.disagreement, g.worst_window, g.outliers);
-    }
     if (!candidate) continue;
     if (!best || candidate->error < best->error) {
       if (best) limit = std::min(limit, best->error);
@@ -263,9 +259,6 @@ void Examination::Correct(const Consensus& consensus, int view) {
 
 bool Examination::Run() {
   const std::vector<ViewSigns> signs = MeasureSigns(capture_, solution_);
-    for (auto& g : signs)
-      fprintf(stderr, "view signs %d dis %.4f win %.4f out %.3f\n", g.known, g.disagreement, g.worst_window,
-              g.outliers);
   if (!AnyAlarm(signs)) return false;
   const std::optional<Consensus> consensus = FindConsensus(signs);
   if (!consensus) return false;

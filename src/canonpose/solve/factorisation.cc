@@ -314,13 +314,19 @@ StartPoses FactorisedStart(const Dataset& dataset, const std::string& file) {
       for (std::size_t c = 0; c < views.size(); ++c) {
         const auto v = static_cast<std::size_t>(capture.FindView(views[c].name));
         const Eigen::Matrix3d& rotation = found.camera_from_world[v];
+        // The capture leaves out joints that no view sees; the start has all of the dataset's.
         std::vector<float> poses(3 * static_cast<std::size_t>(clip.count) * joints, std::nanf(""));
-        for (std::size_t i = 0; i < static_cast<std::size_t>(clip.count) * joints; ++i) {
-          const std::size_t first = static_cast<std::size_t>(clip.first) * joints;
-          const std::size_t root = i / joints * joints + static_cast<std::size_t>(dataset.skeleton.root);
-          const Eigen::Vector3d p = rotation * (found.joints[first + i] - found.joints[first + root]);
-          for (std::size_t axis = 0; axis < 3; ++axis)
-            poses[3 * i + axis] = static_cast<float>(p[static_cast<Eigen::Index>(axis)]);
+        for (int t = 0; t < clip.count; ++t) {
+          const std::size_t first =
+              static_cast<std::size_t>(clip.first + t) * static_cast<std::size_t>(capture.joint_count());
+          const Eigen::Vector3d& root = found.joints[first + static_cast<std::size_t>(capture.skeleton.root)];
+          for (std::size_t j = 0; j < capture.dataset_joints.size(); ++j) {
+            const Eigen::Vector3d p = rotation * (found.joints[first + j] - root);
+            const std::size_t to =
+                static_cast<std::size_t>(t) * joints + static_cast<std::size_t>(capture.dataset_joints[j]);
+            for (std::size_t axis = 0; axis < 3; ++axis)
+              poses[3 * to + axis] = static_cast<float>(p[static_cast<Eigen::Index>(axis)]);
+          }
         }
         start.sequences[clip.sequence][c] = PosesAboutRoot(dataset.skeleton, std::move(poses), views[c].name);
       }

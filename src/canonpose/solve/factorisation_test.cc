@@ -103,6 +103,47 @@ TEST(Factorisation, RefusesMovingCameras) {
               HasSubstr("static cameras"));
 }
 
+/// Seen from far away, a pose's x and y are the keypoints about the root, but for one factor.
+TEST(Factorisation, GivesPosesOfTheDatasetsJointsWhereAJointIsNeverSeen) {
+  Dataset dataset = Filmed("studio", 4, "even", 0.0);
+  const auto joints = static_cast<std::size_t>(dataset.skeleton.joint_count());
+  const auto unseen = static_cast<std::size_t>(joints / 2);
+  ASSERT_NE(static_cast<int>(unseen), dataset.skeleton.root);
+  for (Sequence& sequence : dataset.sequences) {
+    for (CameraView& view : sequence.cameras) {
+      for (std::size_t i = unseen; i < view.confidence.size(); i += joints) view.confidence[i] = 0.0F;
+    }
+  }
+  const StartPoses start = FactorisedStart(dataset, "walk.h5");
+  for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
+    const CameraView& view = dataset.sequences[s].cameras[0];
+    const std::vector<float>& poses = start.sequences[s][0].positions();
+    ASSERT_EQ(poses.size(), 3 * view.confidence.size());
+    int known = 0;
+    for (std::size_t first = 0; first < view.confidence.size(); first += joints) {
+      double together = 0.0;
+      double of_keypoints = 0.0;
+      double of_poses = 0.0;
+      const std::size_t root = first + static_cast<std::size_t>(dataset.skeleton.root);
+      EXPECT_FALSE(std::isfinite(poses[3 * (first + unseen)]));
+      for (std::size_t i = first; i < first + joints; ++i) {
+        if (!(view.confidence[i] > 0.0F) || !(view.confidence[root] > 0.0F) || !std::isfinite(poses[3 * i])) continue;
+        for (std::size_t axis = 0; axis < 2; ++axis) {
+          const double keypoint = view.keypoints[2 * i + axis] - view.keypoints[2 * root + axis];
+          const double pose = poses[3 * i + axis];
+          together += keypoint * pose;
+          of_keypoints += keypoint * keypoint;
+          of_poses += pose * pose;
+        }
+      }
+      if (!(of_poses > 0.0)) continue;
+      ++known;
+      EXPECT_GT(together, 0.9 * std::sqrt(of_keypoints * of_poses)) << first / joints;
+    }
+    EXPECT_GT(known, 100);
+  }
+}
+
 TEST(Factorisation, OfTooLittleIsUnknown) {
   Dataset dataset = Filmed("studio", 2, "even", 1.0);
   for (Sequence& sequence : dataset.sequences) {

@@ -61,11 +61,10 @@ NoiseModel MeasureNoise(const CaptureObservations& capture, std::span<const int>
 /// the square of the step.
 std::vector<double> MeasureAccelerations(const CaptureObservations& capture, const RigEstimate& estimate);
 
-/// How fast moving cameras rotate about an axis, radians per second (scatter over cameras, runs and time, limited to
-/// 0.1
-/// .. 1): from their rotation over one second of `frames` (ascending), against which the error of a single frame's
-/// rotation is small. Twice what is measured, since cameras rotate in bursts. Where no run lasts half a second, the
-/// default of AdjustmentScales.
+/// How fast moving cameras rotate about an axis, radians per second (scatter over cameras, runs and time, at least 0.1
+/// and at most 1): from their rotation over one second of `frames` (ascending), against which the error of a single
+/// frame's rotation is small. Twice what is measured, since cameras rotate in bursts. Where no run lasts half a second,
+/// the default of AdjustmentScales.
 double MeasureAngularVelocity(const CaptureObservations& capture, std::span<const int> frames,
                               const RigEstimate& estimate);
 

@@ -11,7 +11,7 @@
 namespace canonpose {
 namespace {
 
-/// Weight of the lifter's pose relative to a view of full confidence. Chosen by hand.
+/// Weight of the start pose relative to a view of full confidence. Chosen by hand.
 constexpr double kPoseWeight = 0.05;
 constexpr int kShapeRounds = 3;
 
@@ -24,7 +24,7 @@ double SumOfBones(const Skeleton& skeleton, const Points3d& joints) {
   return sum;
 }
 
-/// The mean of the lifter's poses in the world, (J, 3).
+/// The mean of the start's poses in the world, (J, 3).
 Points3d MeanStart(const CaptureObservations& capture, int frame, std::span<const Eigen::Matrix3d> camera_from_world,
                    const std::vector<int>& views, bool mirrored) {
   Points3d mean = Points3d::Zero(capture.joint_count(), 3);
@@ -136,7 +136,7 @@ std::vector<Eigen::Vector3d> ChainTranslations(const CaptureObservations& captur
   return root;
 }
 
-/// Places joints that only one view sees relative to their parents, in the direction that the lifter gives. Parents
+/// Places joints that only one view sees relative to their parents, in the direction that the start gives. Parents
 /// need not precede their children in the skeleton, hence the rounds.
 void FillFromStart(const CaptureObservations& capture, int frame, bool mirrored, RigEstimate& estimate) {
   const std::vector<double>& lengths =

@@ -22,12 +22,12 @@ Eigen::Matrix3d MirrorRotation(const Eigen::Matrix3d& rotation);
 struct FrameShape {
   Points3d joints;             ///< (J, 3) in the world, centred on the root; the sum of the bone lengths is 1
   std::vector<double> scales;  ///< (V) normalised image coordinates per unit; 0 where the view was not used
-  bool valid = false;          ///< at least two views were lifted, have a rotation and do not contradict each other
+  bool valid = false;          ///< at least two views have a start pose and a rotation and do not contradict each other
 };
 
 /// The joints that fit the views' keypoints best under scaled orthography, given the cameras' rotations (V). They are
-/// pulled a little towards the mean of the lifter's poses, which fill in what is not seen. With `mirrored`, the
-/// lifter's poses are mirrored first; the rotations must then be those of the mirror.
+/// pulled a little towards the mean of the start's poses, which fill in what is not seen. With `mirrored`, the
+/// start's poses are mirrored first; the rotations must then be those of the mirror.
 FrameShape ShapeFromViews(const CaptureObservations& capture, int frame,
                           std::span<const Eigen::Matrix3d> camera_from_world, bool mirrored);
 
@@ -48,7 +48,7 @@ RobustPoint TriangulateJoint(const CaptureObservations& capture, int frame, int 
                              const RigEstimate& estimate, int left_out_view = -1);
 
 /// Sets the joints of a frame by TriangulateJoint(), given the cameras of a static rig. A joint that only one view sees
-/// is placed at its bone's length from its parent, in the direction that the lifter's poses give; one that no view sees
+/// is placed at its bone's length from its parent, in the direction that the start's poses give; one that no view sees
 /// becomes NaN. `mirrored` as above.
 void TriangulateFrame(const CaptureObservations& capture, int frame, const AdjustmentScales& scales, bool mirrored,
                       RigEstimate& estimate);

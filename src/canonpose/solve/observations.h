@@ -16,9 +16,9 @@
 
 namespace canonpose {
 
-/// The poses that the solver starts from, found by a lifter in each view by itself, or by factorisation. Indexed like
-/// Dataset::sequences and their cameras; relative to the root, with the axes of the camera, in any unit; missing in
-/// frames that were not lifted, empty where a whole view was not.
+/// The start: rough poses of every view, from which the solver starts. A lifter found them in each view by itself, or a
+/// factorisation found them. Indexed like Dataset::sequences and their cameras; relative to the root, with the axes of
+/// the camera, in any unit; missing in frames where the start has no pose, empty where it has none of a whole view.
 struct StartPoses {
   std::vector<std::vector<PoseSequence>> sequences;
 };
@@ -52,7 +52,8 @@ struct CaptureObservations {
   int frame_count = 0;
   std::vector<float> xy;          ///< (F, V, J, 2) normalised; NaN where not detected
   std::vector<float> confidence;  ///< (F, V, J) 0 where not detected
-  /// (F, V, J, 3) StartPoses of unit norm; NaN where not lifted, joints that the lifter does not know at the root.
+  /// (F, V, J, 3) StartPoses of unit norm; NaN where there is none, at the root for joints that the start does not
+  /// know.
   std::vector<float> start;
 
   [[nodiscard]] int view_count() const { return static_cast<int>(cameras.size()); }
@@ -69,9 +70,9 @@ struct CaptureObservations {
     const std::size_t i = 2 * Index(frame, view, joint);
     return {xy[i], xy[i + 1]};
   }
-  /// Whether the view shows the root and was lifted.
+  /// Whether the view shows the root and has a start pose.
   [[nodiscard]] bool HasStart(int frame, int view) const;
-  /// (J, 3), NaN where not lifted.
+  /// (J, 3), NaN where there is none.
   [[nodiscard]] Points3d StartOf(int frame, int view) const;
   [[nodiscard]] const ClipRange& ClipOf(int frame) const;
 };

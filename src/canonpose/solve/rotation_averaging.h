@@ -1,4 +1,4 @@
-// Rotations between cameras from the poses that a lifter found in each view, averaged so that bad frames count little.
+// Rotations between cameras from the start's poses of each view, averaged so that bad frames count little.
 #pragma once
 
 #include <span>
@@ -43,7 +43,7 @@ StaticRotations AverageStaticRotations(const CaptureObservations& capture, std::
 
 /// camera_from_world (F, V) of moving cameras: relative rotations are averaged over the frames of the clip within
 /// `window_seconds` before and after. The world of each frame is chosen so that all cameras together rotate as little
-/// as possible from one frame to the next. NaN where no view was lifted that near.
+/// as possible from one frame to the next. NaN where no view has a start pose that near.
 std::vector<std::vector<Eigen::Matrix3d>> SmoothedRotations(const CaptureObservations& capture, double window_seconds);
 
 }  // namespace canonpose

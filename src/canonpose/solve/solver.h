@@ -1,8 +1,14 @@
 // Self-calibration: the 3D poses and cameras of a recording from its 2D keypoints alone.
 //
-// Each capture is solved by itself in three stages: the cameras from some of the frames, starting from poses that a
-// lifter or a factorisation found in each view (calibration.h); then every frame, in windows (windows.h); then the
-// report (report.h).
+// Each capture is solved by itself:
+//
+//   1. The cameras and bone lengths, from some frames and the start's poses. Both ways round in depth are tried
+//      (calibration.h).
+//   2. Cameras that do not fit the others are corrected or left out, and 1 is repeated without the fault
+//      (camera_check.h). Moving cameras: each subject's bone lengths are then the medians over all of its captures.
+//   3. All frames: those in which the detector swapped left and right are corrected (swaps.h), and all are adjusted in
+//      windows (windows.h).
+//   4. The report (report.h).
 #pragma once
 
 #include <string>

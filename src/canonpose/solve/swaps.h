@@ -61,7 +61,7 @@ std::vector<int> CheapestPath(int frames, int states, Cost&& cost, Change&& chan
 
 /// Exchanges left and right keypoints (of legs, arms, the rest) in `capture` where that explains them clearly better.
 /// Returns the number of frames in which it did, summed over views. Needs cameras and bone lengths; joints are
-/// triangulated anew. Removes the lifter's pose of a view whose legs and arms were both swapped. The result does not
+/// triangulated anew. Removes the start pose of a view whose legs and arms were both swapped. The result does not
 /// depend on `threads`.
 int CorrectSwaps(CaptureObservations& capture, const Solution& solution, int threads);
 

@@ -368,11 +368,6 @@ ViewExamination Examiner::Examine() const {
   const double least_error = std::ranges::min_element(fits, {}, &ViewFit::error)->error;
   std::size_t chosen = 0;
   for (std::size_t i = 1; i < fits.size(); ++i) {
-      fprintf(stderr,
-              "view %d m%d x%d rate %g off %g: share %.2f error %.4f bad %.4f compared %d | obvious %.2f %.4f %.4f\n",
-              view_, fits[i].reading.is_mirrored, fits[i].reading.sides_are_exchanged, fits[i].reading.time.rate,
-              fits[i].reading.time.offset, fits[i].share, fits[i].error, fits[i].badness, fits[i].compared,
-              fits[0].share, fits[0].error, fits[0].badness);
     if (fits[i].error > kReadingError * least_error) continue;
     if (fits[i].badness < (chosen == 0 ? kReadingGain : 1.0) * fits[chosen].badness) chosen = i;
   }

@@ -1,7 +1,7 @@
-// The losses of the method: confidence-weighted reprojection errors of poses and rotations that are exchanged between
-// views and frames ("mixing").
+// The losses: those of the method (mixing), the supervised one, and the batches they are computed on.
 //
-// Wandt et al., CanonPose, CVPR 2021, equations 3 to 7. Every loss is a weighted sum over pairs p of the error
+// The method's are confidence-weighted reprojection errors of poses and rotations that are exchanged between views and
+// frames (Wandt et al., CanonPose, CVPR 2021, equations 3 to 7). Each is a weighted sum over pairs p of the error
 //
 //   l(p) = 1/(2J) sum_j c_tj ( |dx_j| + |dy_j| ),   d = W_t / |W_t| - q / |q|,   q = Project(M_p X_s)
 //

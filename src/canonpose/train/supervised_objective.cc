@@ -1,3 +1,4 @@
+// The objective that learns from 3D poses: truth, a solution's, or those of a calibrated triangulation.
 #include <fmt/format.h>
 
 #include "canonpose/train/augmentation.h"

@@ -1,3 +1,5 @@
+// The objective of the published method: poses and rotations that are exchanged between views (losses.h), then the
+// decisions about the mirror and the trap.
 #include "canonpose/train/augmentation.h"
 #include "canonpose/train/batch_order.h"
 #include "canonpose/train/mirror.h"

@@ -1,4 +1,4 @@
-#include "canonpose/lift/lifter.h"
+#include "canonpose/lift/pose_lifter.h"
 
 #include <cmath>
 

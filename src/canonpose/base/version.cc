@@ -1,0 +1,7 @@
+#include "canonpose/base/version.h"
+
+namespace canonpose {
+
+const char* ProgramVersion() { return CANONPOSE_VERSION; }
+
+}  // namespace canonpose

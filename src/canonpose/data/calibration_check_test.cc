@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -102,7 +103,8 @@ TEST(CheckCalibration, RefusesAPersonOfSeventeenMetres) {
 
 TEST(CheckCalibration, LeavesBodiesThatAreNotPeopleAlone) {
   Dataset dataset = PersonInRing();
-  for (std::string& joint : dataset.skeleton.joints) joint = "beast's " + joint;
+  for (std::size_t j = 0; j < dataset.skeleton.joints.size(); ++j)
+    dataset.skeleton.joints[j] = fmt::format("Part{}", j);
   Scale(dataset, 10.0);
   const CollectedMessages messages;
   CheckCalibration(dataset, "data.h5");

@@ -60,7 +60,7 @@ struct Protocol {
   std::string benchmark;     ///< whose protocol it is; empty: anybody's
   /// The formats (DatasetSource::format) in which that benchmark's data are imported.
   std::vector<std::string> formats;
-  std::string truth_kind;    ///< the kind of truth for which it is defined ("univ_annot3"); empty: any
+  std::string truth_kind;  ///< the kind of truth for which it is defined ("univ_annot3"); empty: any
 };
 
 /// The default: every frame of every subject, with equal weights for all poses.

@@ -70,7 +70,7 @@ TEST(Failures, APersonLikeAStatue) {
     }
   }
   EXPECT_THAT(FailureOf(dataset), AllOf(HasSubstr("the person hardly moves in these"),
-                                        HasSubstr("points to find cameras: give more frames")));
+                                        HasSubstr("points to find cameras: record somebody who moves")));
 }
 
 TEST(Failures, TheSameViewTwice) {

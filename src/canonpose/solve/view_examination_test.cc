@@ -151,7 +151,10 @@ TEST(AStaticView, ThatWasPushedIsFound) {
   DropFrames(kView, 0, kFrames, others);
   RigEstimate pushed = rig.truth;
   CameraEstimate& camera = pushed.CameraAt(0, kView);
-  camera.SetRotation(Eigen::AngleAxisd(0.15, Eigen::Vector3d::UnitY()) * camera.Rotation());
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.15, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  camera.SetRotation(turn * camera.Rotation());
+  auto translation = Eigen::Vector3d::Map(camera.placement.data());
+  translation = (turn * translation).eval();
   CaptureObservations after = rig.capture;
   testing::SeeJoints(pushed, kScatter, 4, after);
   CaptureObservations both = after;

@@ -26,8 +26,8 @@ struct Skeleton {
   [[nodiscard]] bool SameJoints(const Skeleton& other) const;
 };
 
-/// The skeleton of some of the joints, in the order of `joints` (indices, the root among them, ascending): a joint whose
-/// parent is missing hangs from the nearest ancestor that is there, and one whose partner is missing is its own.
+/// The skeleton of some of the joints, in the order of `joints` (indices, the root among them, ascending): a joint
+/// whose parent is missing hangs from the nearest ancestor that is there, and one whose partner is missing is its own.
 Skeleton Subset(const Skeleton& skeleton, const std::vector<int>& joints);
 
 /// The built-in skeletons and detector layouts, in the order shown to users: h36m-17, canonpose-16, body_25, body_25b,

@@ -26,7 +26,7 @@ constexpr double kClearlySmaller = 0.5;
 constexpr double kClearlySmallerOfTwo = 0.25;
 /// A calibration with a larger error, as a share of the image, is not that of the recording.
 constexpr double kLargestError = 0.02;
-constexpr std::size_t kMostCamerasForAllAssignments = 5;
+constexpr std::size_t kMaxCamerasForAllAssignments = 5;
 
 /// The calibration of view assignment[v] belongs to view v; only calibrated views take part.
 using Assignment = std::vector<std::size_t>;
@@ -96,7 +96,7 @@ std::pair<Assignment, double> FindAssignment(const Sequence& sequence, std::size
     least = error;
     return true;
   };
-  if (views.size() <= kMostCamerasForAllAssignments) {
+  if (views.size() <= kMaxCamerasForAllAssignments) {
     Assignment assignment = best;
     while (std::next_permutation(assignment.begin(), assignment.end())) {
       if (consider(assignment)) best = assignment;

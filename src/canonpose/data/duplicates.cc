@@ -15,8 +15,8 @@
 namespace canonpose {
 namespace {
 
-/// Sequences that share this share of their frames are the same recording.
-constexpr double kMostFrames = 0.5;
+/// Sequences that have this share of their frames in common are the same recording.
+constexpr double kShareOfACopy = 0.5;
 
 /// Nothing for a frame in which nothing was seen: those are all alike.
 std::optional<std::uint64_t> FrameFingerprint(const CameraView& view, std::size_t frame, std::size_t joint_count) {
@@ -64,7 +64,7 @@ void RequireDistinctRecordings(const std::vector<Dataset>& datasets, const std::
             frames_of_other += FrameFingerprint(view, t, datasets[other.first].skeleton.joints.size()) ? 1 : 0;
           }
         }
-        if (static_cast<double>(count) <= kMostFrames * static_cast<double>(std::min(frames, frames_of_other)))
+        if (static_cast<double>(count) <= kShareOfACopy * static_cast<double>(std::min(frames, frames_of_other)))
           continue;
         ThrowBadInput({files[d], sequence.name, "recordings that are given once",
                        fmt::format("the keypoints of {} in {}", first.name, files[other.first]),

@@ -51,5 +51,48 @@ TEST(TriangulateSequence, CamerasWithoutCalibrationGetNoPoses) {
   EXPECT_NEAR(poses.poses_in_camera[0].positions()[3], 200.0F, 0.05F);
 }
 
+/// The sequence twice over: frame 1 shows what frame 0 shows.
+Dataset TwoFrames() {
+  Dataset dataset = TwoCameras();
+  Sequence& sequence = dataset.sequences[0];
+  sequence.frame_count = 2;
+  for (CameraView& view : sequence.cameras) {
+    const std::vector<float> keypoints = view.keypoints;
+    const std::vector<float> confidence = view.confidence;
+    view.keypoints.insert(view.keypoints.end(), keypoints.begin(), keypoints.end());
+    view.confidence.insert(view.confidence.end(), confidence.begin(), confidence.end());
+  }
+  return dataset;
+}
+
+TEST(TriangulateSequence, BringsCamerasToOneTime) {
+  Dataset dataset = TwoFrames();
+  Sequence& sequence = dataset.sequences[0];
+  // Camera b is one frame late: what it shows in its frame 0, camera a shows in frame 1.
+  sequence.cameras[1].time_offset_seconds = 1.0 / sequence.fps;
+  const SequencePoses poses = TriangulateSequence(sequence, dataset.skeleton);
+  EXPECT_FALSE(poses.poses_in_camera[0].IsKnown(0, 1));
+  EXPECT_TRUE(poses.poses_in_camera[0].IsKnown(1, 1));
+  EXPECT_TRUE(poses.poses_in_camera[1].IsKnown(0, 1));
+  EXPECT_FALSE(poses.poses_in_camera[1].IsKnown(1, 1));
+}
+
+TEST(TriangulateSequence, DoesNotUseWhatSolveLeftOut) {
+  Dataset dataset = TwoFrames();
+  Sequence& sequence = dataset.sequences[0];
+  for (CameraView& view : sequence.cameras) {
+    view.solved = PosesInCamera(dataset.skeleton, std::vector<float>(3 * view.confidence.size(), 1.0F),
+                                LengthUnit::kBodyLengths, view.name);
+  }
+  EXPECT_TRUE(TriangulateSequence(sequence, dataset.skeleton).poses_in_camera[0].IsKnown(1, 1));
+  for (std::size_t i = sequence.cameras[1].solved.positions().size() / 2;
+       i < sequence.cameras[1].solved.positions().size(); ++i) {
+    sequence.cameras[1].solved.positions()[i] = std::nanf("");
+  }
+  const SequencePoses poses = TriangulateSequence(sequence, dataset.skeleton);
+  EXPECT_TRUE(poses.poses_in_camera[0].IsKnown(0, 1));
+  EXPECT_FALSE(poses.poses_in_camera[0].IsKnown(1, 1));
+}
+
 }  // namespace
 }  // namespace canonpose

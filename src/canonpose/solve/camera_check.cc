@@ -25,6 +25,8 @@ constexpr int kExaminationRounds = 3;
 /// to 0.6 % usually, 0.7 to 6 % with a view of somebody else.
 constexpr double kAgreement = 0.015;
 constexpr double kAgreementGain = 0.85;
+/// The same of a pair, which explains nearly anything.
+constexpr double kPairGain = 0.6;
 /// Pairs of views are tried up to this many.
 constexpr std::size_t kMaxPairs = 15;
 
@@ -198,6 +200,8 @@ int Examination::CountFollowers(const Consensus& consensus, const std::vector<Vi
 
 std::optional<Consensus> Examination::ConsensusOfPairs(const std::vector<ViewSigns>& signs) const {
   std::optional<Consensus> best;
+  const auto known = static_cast<std::size_t>(std::ranges::count_if(signs, &ViewSigns::known));
+  const double with_all = PerDegreeOfFreedom(MedianError(capture_, solution_), known);
   int most = -1;
   std::size_t tried = 0;
   for (int v = 0; v < capture_.view_count(); ++v) {
@@ -205,7 +209,7 @@ std::optional<Consensus> Examination::ConsensusOfPairs(const std::vector<ViewSig
       if (!signs[static_cast<std::size_t>(v)].known || !signs[static_cast<std::size_t>(w)].known) continue;
       if (tried++ == kMaxPairs) return best;
       std::optional<Consensus> candidate = Agree(original_, calibrate_quickly_, {v, w});
-      if (!candidate) continue;
+      if (!candidate || candidate->error > kPairGain * with_all) continue;
       const int followers = CountFollowers(*candidate, signs);
       if (followers < most || (followers == most && candidate->error >= best->error)) continue;
       most = followers;

@@ -158,6 +158,22 @@ std::vector<CaptureObservations> CollectCaptures(const Dataset& dataset, const S
   return captures;
 }
 
+CaptureObservations SingleClip(const CaptureObservations& capture, int clip) {
+  CaptureObservations single = capture;
+  const ClipRange range = capture.clips[static_cast<std::size_t>(clip)];
+  single.clips = {range};
+  single.clips.front().first = 0;
+  single.frame_count = range.count;
+  const auto slice = [&](std::vector<float>& values, const std::vector<float>& all, std::size_t width) {
+    const auto begin = all.begin() + static_cast<std::ptrdiff_t>(width * capture.Index(range.first, 0, 0));
+    values.assign(begin, begin + static_cast<std::ptrdiff_t>(width * capture.Index(range.count, 0, 0)));
+  };
+  slice(single.xy, capture.xy, 2);
+  slice(single.confidence, capture.confidence, 1);
+  slice(single.start, capture.start, 3);
+  return single;
+}
+
 CaptureObservations SingleFrame(const CaptureObservations& capture, std::span<const int> frame_of_view) {
   CaptureObservations single;
   single.name = capture.name;

@@ -81,6 +81,9 @@ struct CaptureObservations {
 /// Error(kBadInput) where a camera changes its image size within a capture.
 std::vector<CaptureObservations> CollectCaptures(const Dataset& dataset, const StartPoses& start);
 
+/// One clip of a capture, as a capture of its own.
+CaptureObservations SingleClip(const CaptureObservations& capture, int clip);
+
 /// A capture of one frame that shows the keypoints which view v has in frame `frame_of_view[v]` (V); none where that is
 /// negative. It has no clips and no start poses.
 CaptureObservations SingleFrame(const CaptureObservations& capture, std::span<const int> frame_of_view);

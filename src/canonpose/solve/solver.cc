@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/serial_linear_algebra.h"
+#include "canonpose/solve/signs.h"
 #include "canonpose/solve/swaps.h"
 #include "canonpose/solve/windows.h"
 #include "canonpose/solve/write_solution.h"
@@ -37,6 +39,18 @@ struct CaptureWork {
   Solution solution;
   WindowsSummary windows;
 };
+
+/// Whether moving cameras explain the first clip of a static capture far better: at half of the median error, `error`,
+/// that static cameras leave.
+bool SeemsToMove(const CaptureObservations& capture, double error, const CalibrationOptions& options) {
+  constexpr double kClearlyBetter = 0.5;
+  CaptureObservations clip = SingleClip(capture, 0);
+  clip.static_cameras = false;
+  if (static_cast<int>(FramesWithStart(clip).size()) < kMinFrames) return false;
+  const Solution moving = CalibrateMoving(clip, options);
+  return moving.calibration.IsUsable() && MedianError(clip, moving) < kClearlyBetter * error &&
+         Implausible(MeasurePlausibility(clip, moving)).empty();
+}
 
 bool HasFailed(const CaptureWork& work) { return !work.report.failure.empty(); }
 
@@ -60,8 +74,17 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options, Capt
     const Calibrate calibrate_quickly = [&](const CaptureObservations& some) {
       return some.static_cameras ? CalibrateStatic(some, quick) : CalibrateMoving(some, quick);
     };
+    const CaptureObservations recorded = capture;
+    const double error = MedianError(capture, work.solution);
     work.check = CheckCameras(capture, calibrate, calibrate_quickly, work.solution);
     work.report.findings = MakeFindings(capture, *work.check);
+    const bool is_doubtful = std::ranges::any_of(work.check->dropped, std::identity()) ||
+                             (work.solution.calibration.IsUsable() && AnyAlarm(MeasureSigns(capture, work.solution)));
+    if (capture.static_cameras && is_doubtful && SeemsToMove(recorded, error, calibration)) {
+      work.report.failure =
+          "the cameras seem to move, but the recording says that they stand still; import it with `moving`";
+      return;
+    }
   }
   work.report.calibration = work.solution.calibration;
   if (!work.solution.calibration.IsUsable()) {

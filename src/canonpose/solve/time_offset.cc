@@ -44,10 +44,12 @@ double Scatter(const CaptureObservations& capture, const Solution& solution, int
 class OffsetSearch {
  public:
   OffsetSearch(const CaptureObservations& capture, const Solution& solution, int clip, int view);
-  [[nodiscard]] OffsetEstimate Best(bool refine) const;
+  [[nodiscard]] OffsetEstimate Best(bool refine);
 
  private:
   void Compare(const std::vector<int>& frames);
+  /// Measures the offsets around `index` again, each with a camera of its own.
+  void CompareAgainAround(std::size_t index);
   /// The mean cost of the view's keypoints of `frame` at an offset; NaN where there is nothing to compare.
   [[nodiscard]] double CostAgainstOthers(int frame, int offset, const CameraEstimate& camera);
   /// The camera that fits the others' joints best at an offset. One that was estimated with the wrong offset partly
@@ -200,18 +202,39 @@ void OffsetSearch::Compare(const std::vector<int>& frames) {
   }
 }
 
+void OffsetSearch::CompareAgainAround(std::size_t index) {
+  const auto around = static_cast<int>(index) - max_;
+  for (int offset = std::max(-max_, around - kRefitStep + 1); offset <= std::min(max_, around + kRefitStep - 1);
+       ++offset) {
+    if (offset % kRefitStep == 0) continue;
+    const CameraEstimate camera = Refit(offset);
+    std::vector<double>& costs = costs_[static_cast<std::size_t>(offset + max_)];
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      const double cost = CostAgainstOthers(frames_[i], offset, camera);
+      if (std::isfinite(cost)) costs[i] = cost;
+    }
+  }
+}
+
 double Mean(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double value : values) sum += value;
   return sum / static_cast<double>(values.size());
 }
 
-OffsetEstimate OffsetSearch::Best(bool refine) const {
+OffsetEstimate OffsetSearch::Best(bool refine) {
   if (static_cast<int>(frames_.size()) < kMinOffsetFrames) return {};
   const auto here = static_cast<std::size_t>(max_);
   std::size_t best = here;
   for (std::size_t i = 0; i < costs_.size(); ++i) {
     if (Mean(costs_[i]) < Mean(costs_[best])) best = i;
+  }
+  if (other_view_ < 0) {
+    // With cameras that were estimated at multiples of kRefitStep, these offsets have an advantage.
+    CompareAgainAround(best);
+    for (std::size_t i = 0; i < costs_.size(); ++i) {
+      if (Mean(costs_[i]) < Mean(costs_[best])) best = i;
+    }
   }
   if (best == here) return {};
   const int offset = static_cast<int>(best) - max_;

@@ -51,6 +51,14 @@ TEST(EstimateOffset, LeavesCamerasInStepAlone) {
   }
 }
 
+TEST(EstimateOffset, IsExactBetweenTheOffsetsThatCamerasAreEstimatedAt) {
+  for (const int frames : {-4, -2, 2, 5}) {
+    Recording recording = Film(4);
+    ShiftView(recording.rig.capture, 0, 1, frames);
+    EXPECT_EQ(EstimateOffset(recording.rig.capture, recording.solution, 0, 1, false).frames, -frames);
+  }
+}
+
 TEST(EstimateOffset, SaysNothingOfShortClipsAndUnknownCameras) {
   Recording brief = Film(4, 21);
   ShiftView(brief.rig.capture, 0, 1, 4);

@@ -27,6 +27,7 @@ constexpr double kAgreement = 0.015;
 constexpr double kAgreementGain = 0.85;
 /// The same of a pair, which explains nearly anything.
 constexpr double kPairGain = 0.6;
+constexpr double kLargeError = 0.03;
 /// Pairs of views are tried up to this many.
 constexpr std::size_t kMaxPairs = 15;
 
@@ -101,6 +102,18 @@ double PerDegreeOfFreedom(double error, std::size_t views) {
   return error / std::sqrt((keypoints - 3.0) / keypoints);
 }
 
+/// The mean distance of keypoints from the projected joints, in body units, each counted as kLargeError at most: unlike
+/// the median, it shows that one view of many is wrong.
+double CappedError(const CaptureObservations& capture, const Solution& solution) {
+  double sum = 0.0;
+  std::int64_t count = 0;
+  VisitErrors(capture, ConsecutiveFrames(0, capture.frame_count), solution.estimate, [&](int, int, int, double error) {
+    sum += std::min(error, kLargeError);
+    ++count;
+  });
+  return count > 0 ? sum / static_cast<double>(count) : std::nan("");
+}
+
 /// The solution from some views; nothing where they do not agree.
 std::optional<Consensus> Agree(const CaptureObservations& capture, const Calibrate& calibrate,
                                const std::vector<int>& views) {
@@ -115,7 +128,7 @@ std::optional<Consensus> Agree(const CaptureObservations& capture, const Calibra
   if (!consensus.solution.calibration.IsUsable()) return std::nullopt;
   const double error = MedianError(consensus.capture, consensus.solution);
   if (!(error < kAgreement)) return std::nullopt;
-  consensus.error = PerDegreeOfFreedom(error, views.size());
+  consensus.error = PerDegreeOfFreedom(CappedError(consensus.capture, consensus.solution), views.size());
   const Plausibility plausibility = MeasurePlausibility(consensus.capture, consensus.solution);
   if (!Implausible(plausibility).empty() || !Doubtful(plausibility).empty()) return std::nullopt;
   return consensus;
@@ -168,7 +181,7 @@ std::optional<Consensus> Examination::ConsensusWithout(const std::vector<ViewSig
     if (signs[static_cast<std::size_t>(v)].known) known.push_back(v);
   }
   std::optional<Consensus> best;
-  double limit = PerDegreeOfFreedom(MedianError(capture_, solution_), known.size());
+  double limit = PerDegreeOfFreedom(CappedError(capture_, solution_), known.size());
   for (const int v : known) {
     std::vector<int> views = known;
     std::erase(views, v);
@@ -201,7 +214,7 @@ int Examination::CountFollowers(const Consensus& consensus, const std::vector<Vi
 std::optional<Consensus> Examination::ConsensusOfPairs(const std::vector<ViewSigns>& signs) const {
   std::optional<Consensus> best;
   const auto known = static_cast<std::size_t>(std::ranges::count_if(signs, &ViewSigns::known));
-  const double with_all = PerDegreeOfFreedom(MedianError(capture_, solution_), known);
+  const double with_all = PerDegreeOfFreedom(CappedError(capture_, solution_), known);
   int most = -1;
   std::size_t tried = 0;
   for (int v = 0; v < capture_.view_count(); ++v) {

@@ -80,7 +80,8 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options, Capt
     work.report.findings = MakeFindings(capture, *work.check);
     const bool is_doubtful = std::ranges::any_of(work.check->dropped, std::identity()) ||
                              (work.solution.calibration.IsUsable() && AnyAlarm(MeasureSigns(capture, work.solution)));
-    if (capture.static_cameras && is_doubtful && SeemsToMove(recorded, error, calibration)) {
+    // Two moving cameras explain nearly anything.
+    if (capture.static_cameras && capture.view_count() > 2 && is_doubtful && SeemsToMove(recorded, error, calibration)) {
       work.report.failure =
           "the cameras seem to move, but the recording says that they stand still; import it with `moving`";
       return;

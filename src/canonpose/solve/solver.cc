@@ -81,7 +81,8 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options, Capt
     const bool is_doubtful = std::ranges::any_of(work.check->dropped, std::identity()) ||
                              (work.solution.calibration.IsUsable() && AnyAlarm(MeasureSigns(capture, work.solution)));
     // Two moving cameras explain nearly anything.
-    if (capture.static_cameras && capture.view_count() > 2 && is_doubtful && SeemsToMove(recorded, error, calibration)) {
+    if (capture.static_cameras && capture.view_count() > 2 && is_doubtful &&
+        SeemsToMove(recorded, error, calibration)) {
       work.report.failure =
           "the cameras seem to move, but the recording says that they stand still; import it with `moving`";
       return;

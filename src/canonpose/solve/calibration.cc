@@ -85,7 +85,7 @@ Solution DecideMirror(const CaptureObservations& capture, std::span<const int> f
   std::array<Stages, 2> stages;
   InParallel(2, options.threads, [&](int i) { stages[static_cast<std::size_t>(i)] = solve(i == 1); });
   // A mirror that could not be adjusted is not evidence either way.
-  if (!stages[0].back().calibration.IsUsable() || !stages[1].back().calibration.IsUsable()) {
+  if (!stages[0].back().calibration_summary.IsUsable() || !stages[1].back().calibration_summary.IsUsable()) {
     return std::move(stages[0].back());
   }
   const double preference = LastingPreference(capture, frames, stages[0], stages[1]);
@@ -143,7 +143,7 @@ Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOp
     Solution solution;
     solution.mirrored = mirrored;
     solution.estimate = InitialiseStatic(capture, frames, camera_from_world, mirrored);
-    solution.calibration =
+    solution.calibration_summary =
         AdjustTwice(capture, frames, ReferenceView(camera_from_world), options.max_iterations, solution);
     return Stages{std::move(solution)};
   });
@@ -162,13 +162,13 @@ Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOp
     solution.mirrored = mirrored;
     solution.estimate = InitialiseMoving(capture, usable, camera_from_world, mirrored);
     solution.scales.acceleration = MeasureAccelerations(capture, solution.estimate);
-    solution.calibration = AdjustTwice(capture, frames, -1, kMovingIterations, solution);
-    if (!solution.calibration.IsUsable()) return Stages{std::move(solution)};
+    solution.calibration_summary = AdjustTwice(capture, frames, -1, kMovingIterations, solution);
+    if (!solution.calibration_summary.IsUsable()) return Stages{std::move(solution)};
     solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);
     Stages stages{solution};
     // Once more with the measured angular velocity: a lead that only one of the adjustments shows is chance.
-    solution.calibration = AdjustToNoise(capture, frames, -1, kMovingIterations, solution);
-    if (!solution.calibration.IsUsable()) return Stages{std::move(solution)};
+    solution.calibration_summary = AdjustToNoise(capture, frames, -1, kMovingIterations, solution);
+    if (!solution.calibration_summary.IsUsable()) return Stages{std::move(solution)};
     solution.scales.angular_velocity = MeasureAngularVelocity(capture, frames, solution.estimate);
     SpreadFocalLengths(capture, frames, solution);
     stages.push_back(std::move(solution));

@@ -11,9 +11,9 @@
 #include "canonpose/solve/diagnosis.h"
 #include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
-#include "canonpose/solve/signs.h"
 #include "canonpose/solve/time_offset.h"
 #include "canonpose/solve/view_examination.h"
+#include "canonpose/solve/view_signs.h"
 
 namespace canonpose {
 namespace {
@@ -27,6 +27,7 @@ constexpr double kAgreement = 0.015;
 constexpr double kAgreementGain = 0.85;
 /// The same of a pair, which explains nearly anything.
 constexpr double kPairGain = 0.6;
+/// Of CappedError().
 constexpr double kLargeError = 0.03;
 /// Pairs of views are tried up to this many.
 constexpr std::size_t kMaxPairs = 15;
@@ -64,7 +65,7 @@ void AlignCameras(CaptureObservations& capture, const Calibrate& calibrate, Solu
     }
     if (!moved) return;
     solution = calibrate(capture);
-    if (!solution.calibration.IsUsable()) return;
+    if (!solution.calibration_summary.IsUsable()) return;
   }
 }
 
@@ -102,18 +103,6 @@ double PerDegreeOfFreedom(double error, std::size_t views) {
   return error / std::sqrt((keypoints - 3.0) / keypoints);
 }
 
-/// The mean distance of keypoints from the projected joints, in body units, each counted as kLargeError at most: unlike
-/// the median, it shows that one view of many is wrong.
-double CappedError(const CaptureObservations& capture, const Solution& solution) {
-  double sum = 0.0;
-  std::int64_t count = 0;
-  VisitErrors(capture, ConsecutiveFrames(0, capture.frame_count), solution.estimate, [&](int, int, int, double error) {
-    sum += std::min(error, kLargeError);
-    ++count;
-  });
-  return count > 0 ? sum / static_cast<double>(count) : std::nan("");
-}
-
 /// The solution from some views; nothing where they do not agree.
 std::optional<Consensus> Agree(const CaptureObservations& capture, const Calibrate& calibrate,
                                const std::vector<int>& views) {
@@ -125,7 +114,7 @@ std::optional<Consensus> Agree(const CaptureObservations& capture, const Calibra
   }
   if (static_cast<int>(FramesWithStart(consensus.capture).size()) < kMinFrames) return std::nullopt;
   consensus.solution = calibrate(consensus.capture);
-  if (!consensus.solution.calibration.IsUsable()) return std::nullopt;
+  if (!consensus.solution.calibration_summary.IsUsable()) return std::nullopt;
   const double error = MedianError(consensus.capture, consensus.solution);
   if (!(error < kAgreement)) return std::nullopt;
   consensus.error = PerDegreeOfFreedom(CappedError(consensus.capture, consensus.solution), views.size());
@@ -311,6 +300,16 @@ double MedianError(const CaptureObservations& capture, const Solution& solution)
   return Median(std::move(errors));
 }
 
+double CappedError(const CaptureObservations& capture, const Solution& solution) {
+  double sum = 0.0;
+  std::int64_t count = 0;
+  VisitErrors(capture, ConsecutiveFrames(0, capture.frame_count), solution.estimate, [&](int, int, int, double error) {
+    sum += std::min(error, kLargeError);
+    ++count;
+  });
+  return count > 0 ? sum / static_cast<double>(count) : std::nan("");
+}
+
 CameraCheck CheckCameras(CaptureObservations& capture, const Calibrate& calibrate, const Calibrate& calibrate_quickly,
                          Solution& solution) {
   CameraCheck check(capture);
@@ -318,11 +317,11 @@ CameraCheck CheckCameras(CaptureObservations& capture, const Calibrate& calibrat
   Examination examination(original, calibrate, calibrate_quickly, capture, solution, check);
   // What is clearly wrong comes first: shifts found against a solution that it has spoilt would be wrong, too.
   examination.Run();
-  for (int round = 0; round < kExaminationRounds && solution.calibration.IsUsable(); ++round) {
+  for (int round = 0; round < kExaminationRounds && solution.calibration_summary.IsUsable(); ++round) {
     if (capture.static_cameras) AlignCameras(capture, calibrate, solution, check);
-    if (!solution.calibration.IsUsable() || !examination.Run()) break;
+    if (!solution.calibration_summary.IsUsable() || !examination.Run()) break;
   }
-  if (solution.calibration.IsUsable()) KeepMajority(capture, check);
+  if (solution.calibration_summary.IsUsable()) KeepMajority(capture, check);
   return check;
 }
 

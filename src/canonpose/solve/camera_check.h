@@ -52,4 +52,8 @@ CameraCheck CheckCameras(CaptureObservations& capture, const Calibrate& calibrat
 /// The median distance of all keypoints from the projected joints of a solution, in body units.
 double MedianError(const CaptureObservations& capture, const Solution& solution);
 
+/// The mean of the same distances, each counted as 0.03 at most: unlike the median, it shows that one view of many is
+/// wrong.
+double CappedError(const CaptureObservations& capture, const Solution& solution);
+
 }  // namespace canonpose

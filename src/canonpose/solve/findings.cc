@@ -11,8 +11,6 @@ namespace {
 std::string KindOf(const ViewReading& reading) {
   if (reading.is_mirrored) return "mirrored";
   if (reading.sides_are_exchanged) return "sides-exchanged";
-  if (!reading.centre.isZero()) return "image-size";
-  if (reading.time.rate < 0.0) return "backwards";
   if (reading.time.rate != 1.0) return "frame-rate";
   return "";
 }
@@ -54,6 +52,12 @@ std::vector<CameraFinding> MakeFindings(const CaptureObservations& capture, cons
   std::vector<CameraFinding> findings;
   for (std::size_t v = 0; v < capture.cameras.size(); ++v) {
     const std::string& camera = capture.cameras[v].name;
+    const std::array<int, 2>& size = capture.cameras[v].image_size_px;
+    if (size != capture.cameras[v].declared_size_px) {
+      findings.push_back(
+          {camera, 0, "image-size", 0, capture.frame_count, true,
+           fmt::format("{} has keypoints of images of {} x {} pixels: corrected", camera, size[0], size[1])});
+    }
     if (check.dropped[v]) {
       const std::string& why = check.why_dropped[v];
       findings.push_back({camera, 0, why == "runs backwards" ? "backwards" : "does-not-fit", 0, capture.frame_count,

@@ -18,10 +18,11 @@ constexpr double kDefaultFps = 30.0;
 void AddCamera(CaptureObservations& capture, const CameraView& view, const Sequence& sequence) {
   const int known = capture.FindView(view.name);
   if (known < 0) {
-    capture.cameras.push_back({view.name, view.image_size, std::hypot(view.image_size[0], view.image_size[1])});
+    capture.cameras.push_back(
+        {view.name, view.image_size, view.image_size, std::hypot(view.image_size[0], view.image_size[1])});
     return;
   }
-  const std::array<int, 2>& size_px = capture.cameras[static_cast<std::size_t>(known)].image_size_px;
+  const std::array<int, 2>& size_px = capture.cameras[static_cast<std::size_t>(known)].declared_size_px;
   if (size_px != view.image_size) {
     ThrowBadInput({sequence.name, fmt::format("camera {}", view.name),
                    fmt::format("images of {} x {} as in the capture's other sequences", size_px[0], size_px[1]),

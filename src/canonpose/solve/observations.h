@@ -35,6 +35,7 @@ struct ClipRange {
 struct ObservedCamera {
   std::string name;
   std::array<int, 2> image_size_px{0, 0};
+  std::array<int, 2> declared_size_px{0, 0};  ///< in the dataset; another where that was found to be wrong
   /// Normalised image coordinates are (pixel - image centre) / diagonal_px; focal lengths, too, are in image diagonals.
   double diagonal_px = 0.0;
 };

@@ -162,7 +162,7 @@ CaptureReport MakeReport(const CaptureObservations& capture, const Solution& sol
   report.reprojection_percent = 100.0 * Median(std::move(all));
   CountFrames(capture, solution.estimate, windows, report);
   report.unseen_joints = capture.unseen_joints;
-  report.calibration = solution.calibration;
+  report.calibration = solution.calibration_summary;
   report.windows = windows;
   const std::string failed_windows = DescribeFailedWindows(report);
   if (!failed_windows.empty()) report.warnings.push_back(failed_windows);

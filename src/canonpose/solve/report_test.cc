@@ -23,7 +23,7 @@ struct HalfSolved {
 
   HalfSolved() {
     solution.estimate = rig.truth;
-    solution.calibration = {AdjustmentEnding::kConverged, "Function tolerance reached", 12, 50.0, 2.5};
+    solution.calibration_summary = {AdjustmentEnding::kConverged, "Function tolerance reached", 12, 50.0, 2.5};
     windows.windows = 4;
     windows.stopped_early = 3;
     windows.failed = {{0, 10, 20, "Residual and Jacobian evaluation failed"}};

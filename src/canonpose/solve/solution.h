@@ -13,7 +13,7 @@ struct Solution {
   bool mirrored = false;      ///< found from the mirror of the start's poses
   double mirror_sigma = 0.0;  ///< Preference() over the mirror; see fit.h
   /// How the calibration's last adjustment went, or the first that failed; then the estimate is not a solution.
-  AdjustmentSummary calibration{};
+  AdjustmentSummary calibration_summary{};
 };
 
 }  // namespace canonpose

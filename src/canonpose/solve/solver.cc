@@ -18,10 +18,11 @@
 #include "canonpose/solve/diagnosis.h"
 #include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
+#include "canonpose/solve/image_size.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/serial_linear_algebra.h"
-#include "canonpose/solve/signs.h"
 #include "canonpose/solve/swaps.h"
+#include "canonpose/solve/view_signs.h"
 #include "canonpose/solve/windows.h"
 #include "canonpose/solve/write_solution.h"
 
@@ -48,7 +49,7 @@ bool SeemsToMove(const CaptureObservations& capture, double error, const Calibra
   clip.static_cameras = false;
   if (static_cast<int>(FramesWithStart(clip).size()) < kMinFrames) return false;
   const Solution moving = CalibrateMoving(clip, options);
-  return moving.calibration.IsUsable() && MedianError(clip, moving) < kClearlyBetter * error &&
+  return moving.calibration_summary.IsUsable() && MedianError(clip, moving) < kClearlyBetter * error &&
          Implausible(MeasurePlausibility(clip, moving)).empty();
 }
 
@@ -67,19 +68,21 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options, Capt
     return corrected.static_cameras ? CalibrateStatic(corrected, calibration) : CalibrateMoving(corrected, calibration);
   };
   work.solution = calibrate(capture);
-  if (work.solution.calibration.IsUsable()) {
+  if (work.solution.calibration_summary.IsUsable()) {
     CalibrationOptions quick = calibration;
     quick.frames = kQuickFrames;
     quick.max_iterations = kQuickIterations;
     const Calibrate calibrate_quickly = [&](const CaptureObservations& some) {
       return some.static_cameras ? CalibrateStatic(some, quick) : CalibrateMoving(some, quick);
     };
+    CorrectImageSizes(capture, calibrate, calibrate_quickly, work.solution);
     const CaptureObservations recorded = capture;
     const double error = MedianError(capture, work.solution);
     work.check = CheckCameras(capture, calibrate, calibrate_quickly, work.solution);
     work.report.findings = MakeFindings(capture, *work.check);
-    const bool is_doubtful = std::ranges::any_of(work.check->dropped, std::identity()) ||
-                             (work.solution.calibration.IsUsable() && AnyAlarm(MeasureSigns(capture, work.solution)));
+    const bool is_doubtful =
+        std::ranges::any_of(work.check->dropped, std::identity()) ||
+        (work.solution.calibration_summary.IsUsable() && AnyAlarm(MeasureSigns(capture, work.solution)));
     // Two moving cameras explain nearly anything.
     if (capture.static_cameras && capture.view_count() > 2 && is_doubtful &&
         SeemsToMove(recorded, error, calibration)) {
@@ -88,9 +91,9 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options, Capt
       return;
     }
   }
-  work.report.calibration = work.solution.calibration;
-  if (!work.solution.calibration.IsUsable()) {
-    work.report.failure = fmt::format("the cameras could not be found: {}", work.solution.calibration.reason);
+  work.report.calibration = work.solution.calibration_summary;
+  if (!work.solution.calibration_summary.IsUsable()) {
+    work.report.failure = fmt::format("the cameras could not be found: {}", work.solution.calibration_summary.reason);
   }
 }
 

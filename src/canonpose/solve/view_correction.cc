@@ -106,9 +106,6 @@ std::string Describe(const ViewReading& reading, double fps) {
   const auto add = [&](const std::string& more) { text += (text.empty() ? "" : " and ") + more; };
   if (reading.is_mirrored) add("is mirrored");
   if (reading.sides_are_exchanged && !reading.is_mirrored) add("has left and right exchanged");
-  if (reading.image_size_px[0] > 0) {
-    add(fmt::format("has keypoints of an image of {} x {} pixels", reading.image_size_px[0], reading.image_size_px[1]));
-  }
   if (!reading.time.IsIdentity()) add(DescribeTime(reading.time, fps));
   return text;
 }

@@ -2,7 +2,6 @@
 // image or to an image of another size, and frames that have to be left out.
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 
@@ -25,17 +24,13 @@ struct ViewReading {
   TimeMap time;
   bool is_mirrored = false;          ///< the image shows left where right is
   bool sides_are_exchanged = false;  ///< names of left and right joints are exchanged, as a detector does in a mirror
-  /// Where the optical axis meets the image in the view's normalised coordinates, which assume the image's centre.
-  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
-  std::array<int, 2> image_size_px{0, 0};  ///< of the image that `centre` belongs to; 0 where it is the declared one
 
   [[nodiscard]] bool IsIdentity() const {
-    return time.IsIdentity() && !is_mirrored && !sides_are_exchanged && centre.isZero();
+    return time.IsIdentity() && !is_mirrored && !sides_are_exchanged;
   }
   /// A keypoint in the normalised coordinates of this reading.
   [[nodiscard]] Eigen::Vector2d Read(const Eigen::Vector2d& keypoint) const {
-    const Eigen::Vector2d centred = keypoint - centre;
-    return {is_mirrored ? -centred.x() : centred.x(), centred.y()};
+    return {is_mirrored ? -keypoint.x() : keypoint.x(), keypoint.y()};
   }
 };
 

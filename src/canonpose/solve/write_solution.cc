@@ -12,14 +12,12 @@ namespace {
 /// How far in time the joint's neighbours carry one that no view sees.
 constexpr double kCarriedSeconds = 0.1;
 
-Camera CameraOf(const CaptureObservations& capture, const RigEstimate& estimate, const ViewReading& reading, int frame,
-                int view) {
+Camera CameraOf(const CaptureObservations& capture, const RigEstimate& estimate, int frame, int view) {
   const ObservedCamera& observed = capture.cameras[static_cast<std::size_t>(view)];
   const CameraEstimate& found = estimate.CameraAt(frame, view);
   Camera camera;
   const double focal_px = found.Focal() * observed.diagonal_px;
-  const Eigen::Vector2d centre_px = 0.5 * Eigen::Vector2d(observed.image_size_px[0], observed.image_size_px[1]) +
-                                    observed.diagonal_px * reading.centre;
+  const Eigen::Vector2d centre_px = 0.5 * Eigen::Vector2d(observed.image_size_px[0], observed.image_size_px[1]);
   camera.K << focal_px, 0, centre_px.x(), 0, focal_px, centre_px.y(), 0, 0, 1;
   camera.camera_from_world_rotation = found.Rotation();
   camera.camera_from_world_translation = estimate.Translation(frame, view);
@@ -37,24 +35,23 @@ int NearestKnownFrame(const RigEstimate& estimate, const ClipRange& clip, int fr
 }
 
 void WriteCameras(const CaptureObservations& capture, const RigEstimate& estimate, const ClipRange& clip, int v,
-                  const ViewReading& reading, CameraView& view) {
+                  CameraView& view) {
   if (capture.static_cameras) {
-    if (estimate.CameraAt(0, v).valid) view.solved_calibration = {CameraOf(capture, estimate, reading, 0, v)};
+    if (estimate.CameraAt(0, v).valid) view.solved_calibration = {CameraOf(capture, estimate, 0, v)};
     return;
   }
   if (NearestKnownFrame(estimate, clip, clip.first, v) < 0) return;
   for (int n = clip.first; n < clip.first + clip.count; ++n) {
     const int known = NearestKnownFrame(estimate, clip, n, v);
-    view.solved_calibration.push_back(CameraOf(capture, estimate, reading, known, v));
+    view.solved_calibration.push_back(CameraOf(capture, estimate, known, v));
   }
 }
 
 /// Keypoints as the correction reads them.
 void CorrectKeypoints(const Skeleton& skeleton, const ViewReading& reading, CameraView& view) {
-  if (!reading.is_mirrored && !reading.sides_are_exchanged && reading.image_size_px[0] == 0) return;
+  if (!reading.is_mirrored && !reading.sides_are_exchanged) return;
   const auto joints = static_cast<std::size_t>(skeleton.joint_count());
   const CameraView recorded = view;
-  if (reading.image_size_px[0] > 0) view.image_size = reading.image_size_px;
   for (std::size_t i = 0; i < view.confidence.size(); ++i) {
     const std::size_t j = i % joints;
     const std::size_t from = reading.sides_are_exchanged ? i - j + static_cast<std::size_t>(skeleton.mirror[j]) : i;
@@ -182,12 +179,13 @@ void WriteSolution(const CaptureObservations& capture, const Solution& solution,
     for (CameraView& view : dataset.sequences[clip.sequence].cameras) {
       const int v = capture.FindView(view.name);
       const ViewCorrection& correction = check.At(static_cast<int>(c), v);
+      view.image_size = capture.cameras[static_cast<std::size_t>(v)].image_size_px;
       CorrectKeypoints(dataset.skeleton, correction.reading, view);
       view.solved = ViewWriter(capture, solution, states, clip, v).Poses(correction, dataset.skeleton, view);
       const double offset_frames =
           correction.offset_frames + (correction.reading.time.rate == 1.0 ? correction.reading.time.offset : 0.0);
       view.time_offset_seconds = offset_frames / clip.fps;
-      WriteCameras(capture, solution.estimate, clip, v, correction.reading, view);
+      WriteCameras(capture, solution.estimate, clip, v, view);
     }
   }
 }

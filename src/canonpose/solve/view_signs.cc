@@ -1,4 +1,4 @@
-#include "canonpose/solve/signs.h"
+#include "canonpose/solve/view_signs.h"
 
 #include <algorithm>
 #include <cmath>

@@ -22,6 +22,9 @@ struct EnumName {
   const char* name;
   const char* meaning = "";  ///< for help texts; may be empty where the name says it all
 };
+// What C++20 says of aggregates anyway; Clang does so from version 17 on.
+template <typename Enum>
+EnumName(Enum, const char*, const char* = "") -> EnumName<Enum>;
 
 /// The table of an enum, in the order in which values are listed. Specialise it beside the enum.
 template <typename Enum>

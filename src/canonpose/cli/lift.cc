@@ -103,9 +103,10 @@ LiftInput FromDetections(const LiftArguments& arguments, const PoseLifter& lifte
 /// Refuses options that would be ignored.
 void RefuseMisplacedOptions(const LiftArguments& arguments, bool is_dataset) {
   const auto refuse = [&](bool given, const char* option) {
-    if (given)
+    if (given) {
       ThrowInvalidArgument("{} is for {}, and {} is not one", option, is_dataset ? "a detector's files" : "datasets",
                            arguments.input.string());
+    }
   };
   refuse(!is_dataset && !arguments.frames.empty(), "--frames");
   refuse(!is_dataset && !arguments.sequence.empty(), "--sequence");

@@ -121,4 +121,5 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace canonpose
 
+// NOLINTNEXTLINE(bugprone-exception-escape): what the handlers of Main throw ends the process.
 int main(int argc, char** argv) { return canonpose::Main(argc, argv); }

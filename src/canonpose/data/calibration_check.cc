@@ -227,7 +227,7 @@ bool CheckCalibration(Dataset& dataset, const std::string& file) {
 std::optional<StatureUnit> UnitOfTruth(const BodySize& truth, const std::string& file) {
   const std::optional<double> stature = truth.Stature();
   if (!stature) return std::nullopt;
-  const std::optional<StatureUnit> unit = UnitOfStature(*stature);
+  std::optional<StatureUnit> unit = UnitOfStature(*stature);
   if (!unit) ThrowNobody(file, "truth", *stature, "give the truth in millimetres");
   if (unit->mm == 1.0) return std::nullopt;
   LogWarning("{}: the truth is in {}, as the person would be {} tall otherwise; it is read as such", file, unit->name,

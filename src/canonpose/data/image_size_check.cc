@@ -34,7 +34,7 @@ Extent ExtentOf(std::array<std::vector<float>, 2>& coordinates) {
   return extent;
 }
 
-bool Holds(const ImageSize& size, const Extent& extent) {
+bool Holds(const std::array<int, 2>& size, const Extent& extent) {
   for (std::size_t axis = 0; axis < 2; ++axis) {
     if (extent.low[axis] < -kBeyond * size[axis] || extent.high[axis] > (1.0 + kBeyond) * size[axis]) return false;
   }
@@ -42,13 +42,13 @@ bool Holds(const ImageSize& size, const Extent& extent) {
 }
 
 /// The distance of the keypoints' centre from that of the image, as a fraction of the image.
-double OffCentre(const ImageSize& size, const Extent& extent) {
+double OffCentre(const std::array<int, 2>& size, const Extent& extent) {
   return std::hypot(extent.centre[0] / size[0] - 0.5, extent.centre[1] / size[1] - 0.5);
 }
 
 }  // namespace
 
-std::vector<ImageSize> OtherImageSizes(std::span<const float> keypoints, const ImageSize& declared) {
+std::vector<OtherImageSize> OtherImageSizes(std::span<const float> keypoints, const std::array<int, 2>& declared) {
   std::array<std::vector<float>, 2> coordinates;
   for (std::size_t i = 0; i + 1 < keypoints.size(); i += 2) {
     if (!std::isfinite(keypoints[i]) || !std::isfinite(keypoints[i + 1])) continue;
@@ -57,14 +57,14 @@ std::vector<ImageSize> OtherImageSizes(std::span<const float> keypoints, const I
   }
   if (coordinates[0].size() < kMinKeypoints) return {};
   const Extent extent = ExtentOf(coordinates);
-  std::vector<ImageSize> candidates;
-  if (declared[0] != declared[1]) candidates.push_back({declared[1], declared[0]});
+  std::vector<OtherImageSize> candidates;
+  if (declared[0] != declared[1]) candidates.push_back({{declared[1], declared[0]}, true, 1.0});
   for (const double scale : {1.0 / 2.0, 2.0 / 3.0, 1.0 / 3.0, 3.0 / 2.0, 2.0, 3.0}) {
-    candidates.push_back(
-        {static_cast<int>(std::lround(scale * declared[0])), static_cast<int>(std::lround(scale * declared[1]))});
+    const auto scaled = [&](int length) { return static_cast<int>(std::lround(scale * length)); };
+    candidates.push_back({{scaled(declared[0]), scaled(declared[1])}, false, scale});
   }
-  std::erase_if(candidates, [&](const ImageSize& size) {
-    return !Holds(size, extent) || OffCentre(size, extent) + kNearer > OffCentre(declared, extent);
+  std::erase_if(candidates, [&](const OtherImageSize& other) {
+    return !Holds(other.size, extent) || OffCentre(other.size, extent) + kNearer > OffCentre(declared, extent);
   });
   return candidates;
 }

@@ -16,6 +16,7 @@
 #include "canonpose/base/log.h"
 #include "canonpose/data/calibration_check.h"
 #include "canonpose/data/detection_cleaning.h"
+#include "canonpose/data/image_size_check.h"
 #include "canonpose/data/layout_check.h"
 #include "canonpose/data/person_tracking.h"
 #include "canonpose/data/readers/calibration.h"
@@ -138,7 +139,8 @@ void RefuseFractions(const KeypointClip& clip) {
                  "run the detector again so that it writes pixels (OpenPose: with keypoint_scale 0)"});
 }
 
-void WarnOfKeypointsOutside(const KeypointClip& clip, const ImageSize& size) {
+/// Warns where the keypoints say that the images were of another size.
+void CheckImageSize(const KeypointClip& clip, const ImageSize& size) {
   std::size_t seen = 0;
   std::size_t outside = 0;
   std::array<float, 2> reach{0.0F, 0.0F};
@@ -154,7 +156,15 @@ void WarnOfKeypointsOutside(const KeypointClip& clip, const ImageSize& size) {
     }
     outside += is_far ? 1 : 0;
   }
-  if (static_cast<double>(outside) <= kManyOutside * static_cast<double>(seen)) return;
+  if (static_cast<double>(outside) <= kManyOutside * static_cast<double>(seen)) {
+    const std::vector<OtherImageSize> others = OtherImageSizes(clip.keypoints, size);
+    if (others.empty()) return;
+    LogWarning(
+        "{}: the keypoints lie as in images of {}x{} pixels, not {}x{}: check `image_size`, which is that of the video "
+        "that the detector was given",
+        clip.name, others.front().size[0], others.front().size[1], size[0], size[1]);
+    return;
+  }
   LogWarning(
       "{}: {:.0f} % of the keypoints lie far outside an image of {}x{} pixels (they reach {:.0f}, {:.0f}); check "
       "`image_size`{}",
@@ -266,9 +276,10 @@ void WarnOfOtherRate(double given, double found) {
 LayoutMapping MappingTo(const Skeleton& layout, const std::string& skeleton) {
   if (skeleton == "native") return MapLayout(layout, layout);
   const Skeleton* target = FindSkeleton(skeleton);
-  if (target == nullptr)
+  if (target == nullptr) {
     ThrowInvalidArgument("there is no skeleton \"{}\"; the skeletons are {} and native", skeleton,
                          BuiltinSkeletonNames());
+  }
   return MapLayout(layout, *target);
 }
 
@@ -343,7 +354,7 @@ Dataset ImportDetections(const ImportOptions& options) {
   sequence.static_cameras = !options.moving_cameras;
   sequence.frame_count = clips.front().frame_count();
   for (std::size_t i = 0; i < clips.size(); ++i) {
-    WarnOfKeypointsOutside(clips[i], sizes[i]);
+    CheckImageSize(clips[i], sizes[i]);
     CameraView view = MapClip(clips[i], mapping, scale);
     view.image_size = sizes[i];
     if (!options.calibration.empty())
@@ -383,7 +394,7 @@ SingleCamera ReadSingleCamera(const fs::path& path, const SingleCameraOptions& o
   single.fps = CountFrames(clips.front());
   single.view = MapClip(clips.front(), mapping, scale);
   single.view.image_size = options.image_size;
-  if (options.image_size[0] > 0) WarnOfKeypointsOutside(clips.front(), options.image_size);
+  if (options.image_size[0] > 0) CheckImageSize(clips.front(), options.image_size);
   single.frame_numbers = clips.front().frame_numbers;
   single.skeleton = mapping.target;
   single.source = {std::string(format.name), layout.name, scale, mapping.DescribeAll()};

@@ -508,6 +508,16 @@ TEST(ImportDetections, ReadsTheRealRecording) {
   }
 }
 
+TEST(ImportDetections, KeypointsOfASmallerVideoAreAWarning) {
+  const fs::path recording = fs::path(CANONPOSE_SHARED) / "data" / "balancing";
+  if (!fs::exists(recording)) GTEST_SKIP() << "no " << recording;
+  ImportOptions options = Options("openpose", recording);
+  options.image_size = {1088, 1920};
+  EXPECT_THAT(ImportLog(options), Not(HasSubstr("as in images of")));
+  options.image_size = {2176, 3840};
+  EXPECT_THAT(ImportLog(options), HasSubstr("as in images of 1088x1920 pixels, not 2176x3840: check `image_size`"));
+}
+
 TEST(ReadSingleCamera, ReadsAsTheImportDid) {
   for (const auto& [folder, format] : {std::pair("openpose", "openpose"), std::pair("alphapose", "alphapose"),
                                        std::pair("mmpose_video", "mmpose"), std::pair("coco", "coco")}) {

@@ -126,7 +126,7 @@ inline ExactRig MakeExactRig(const ExactRigOptions& options = {}) {
   capture.skeleton = *FindSkeleton(options.skeleton);
   capture.static_cameras = options.static_cameras;
   for (int v = 0; v < options.views; ++v) {
-    capture.cameras.push_back({"camera" + std::to_string(v), {1000, 1000}, std::hypot(1000.0, 1000.0)});
+    capture.cameras.push_back({"camera" + std::to_string(v), {1000, 1000}, {1000, 1000}, std::hypot(1000.0, 1000.0)});
   }
   for (int c = 0; c < options.clips; ++c) {
     capture.clips.push_back({static_cast<std::size_t>(c), c * options.frames, options.frames, options.fps, 0});

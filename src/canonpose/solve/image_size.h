@@ -6,8 +6,8 @@
 
 namespace canonpose {
 
-/// Looks for views whose keypoints lie as if their images were of another size (data/image_size_check.h), and gives them
-/// that size where the cameras and joints then fit the keypoints clearly better. The optical axis is taken to meet
+/// Looks for views whose keypoints lie as if their images were of another size (data/image_size_check.h), and gives
+/// them that size where the cameras and joints then fit the keypoints clearly better. The optical axis is taken to meet
 /// the image at its centre, so a wrong size bends the rays of the whole view. Changes `capture`, and calibrates
 /// again with `calibrate`: `solution` is its calibration before and after.
 void CorrectImageSizes(CaptureObservations& capture, const Calibrate& calibrate, const Calibrate& calibrate_quickly,

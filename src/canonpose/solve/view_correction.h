@@ -25,9 +25,7 @@ struct ViewReading {
   bool is_mirrored = false;          ///< the image shows left where right is
   bool sides_are_exchanged = false;  ///< names of left and right joints are exchanged, as a detector does in a mirror
 
-  [[nodiscard]] bool IsIdentity() const {
-    return time.IsIdentity() && !is_mirrored && !sides_are_exchanged;
-  }
+  [[nodiscard]] bool IsIdentity() const { return time.IsIdentity() && !is_mirrored && !sides_are_exchanged; }
   /// A keypoint in the normalised coordinates of this reading.
   [[nodiscard]] Eigen::Vector2d Read(const Eigen::Vector2d& keypoint) const {
     return {is_mirrored ? -keypoint.x() : keypoint.x(), keypoint.y()};

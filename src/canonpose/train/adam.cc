@@ -4,6 +4,8 @@
 
 #include <ATen/Parallel.h>
 
+#include "canonpose/train/adam_update.h"
+
 namespace canonpose {
 namespace {
 
@@ -18,49 +20,22 @@ struct StepSizes {
   double weight_decay;
 };
 
-/// The constants of a step in the parameters' own type. They are passed by value and prepared outside the loop, so that
-/// the compiler knows they do not change and vectorises; with -fno-math-errno it vectorises the square root too.
-template <typename T>
-struct Constants {
-  T rate;
-  T inverse_root;
-  T decay;
-  T b1;
-  T b2;
-  T c1;
-  T c2;
-  T epsilon;
-};
-
-template <typename T>
-void UpdateRange(std::int64_t count, const Constants<T> k, const T* __restrict grad, T* __restrict value,
-                 T* __restrict first, T* __restrict second) {
-  for (std::int64_t i = 0; i < count; ++i) {
-    const T g = grad[i] + k.decay * value[i];
-    const T m = k.b1 * first[i] + k.c1 * g;
-    const T v = k.b2 * second[i] + k.c2 * g * g;
-    first[i] = m;
-    second[i] = v;
-    value[i] -= k.rate * m / (std::sqrt(v) * k.inverse_root + k.epsilon);
-  }
-}
-
 template <typename T>
 void UpdateOnCpu(Adam::Parameter& parameter, const torch::Tensor& gradient, const StepSizes& sizes) {
   T* value = parameter.value.data_ptr<T>();
   T* first = parameter.first_moment.data_ptr<T>();
   T* second = parameter.second_moment.data_ptr<T>();
   const T* grad = gradient.data_ptr<T>();
-  const Constants<T> constants{static_cast<T>(sizes.learning_rate),
-                               static_cast<T>(1.0 / sizes.root_correction),
-                               static_cast<T>(sizes.weight_decay),
-                               static_cast<T>(kBeta1),
-                               static_cast<T>(kBeta2),
-                               static_cast<T>(1.0 - kBeta1),
-                               static_cast<T>(1.0 - kBeta2),
-                               static_cast<T>(kEpsilon)};
+  const AdamConstants<T> constants{static_cast<T>(sizes.learning_rate),
+                                   static_cast<T>(1.0 / sizes.root_correction),
+                                   static_cast<T>(sizes.weight_decay),
+                                   static_cast<T>(kBeta1),
+                                   static_cast<T>(kBeta2),
+                                   static_cast<T>(1.0 - kBeta1),
+                                   static_cast<T>(1.0 - kBeta2),
+                                   static_cast<T>(kEpsilon)};
   at::parallel_for(0, parameter.value.numel(), kGrain, [&](std::int64_t begin, std::int64_t end) {
-    UpdateRange(end - begin, constants, grad + begin, value + begin, first + begin, second + begin);
+    UpdateParameters(end - begin, constants, grad + begin, value + begin, first + begin, second + begin);
   });
 }
 

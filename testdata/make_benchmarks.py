@@ -410,6 +410,9 @@ def make_wrong(folder):
     h36m_2d("h36m_2d_layout.npz", good_2d, metadata={"layout_name": "humaneva", "num_joints": 15})
     h36m_3d("h36m_3d_good.npz", good_3d)
     h36m_3d("h36m_3d_mm.npz", good_3d * 1000)
+    missing_3d = good_3d.copy()
+    missing_3d[2, 8, 1] = np.nan  # the left foot, in one coordinate
+    h36m_3d("h36m_3d_nan.npz", missing_3d)
     h36m_3d("h36m_3d_unit.npz", good_3d * 1e6)
     h36m_3d("h36m_3d_17_joints.npz", good_3d[:, H36M_KEPT])
     swapped = good_3d.copy()

@@ -12,9 +12,11 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -378,10 +380,22 @@ TEST(Program, MorphsADetectorsJoints) {
   EXPECT_EQ(good.exit_code, 0) << good.errors;
   EXPECT_THAT(good.errors, AllOf(HasSubstr("joints of held-out poses are off by"), Not(HasSubstr("warning"))));
   EXPECT_EQ(train_morph({folder / "a.h5", "-o", folder / "none", "--subjects", "nobody"}).exit_code, 3);
+  const Outcome overwriting =
+      Execute({"train", folder / "a.h5", "-o", folder / "morph", "--morph", folder / "morph", "--overwrite"});
+  EXPECT_EQ(overwriting.exit_code, 2);
+  EXPECT_THAT(overwriting.message(), HasSubstr("would be overwritten"));
   const Outcome trained = Execute({"train", folder / "a.h5", "-o", folder / "run", "--morph", folder / "morph",
                                    "--epochs", "1", "--width", "16", "--threads", "1"});
   EXPECT_EQ(trained.exit_code, 0) << trained.errors;
   EXPECT_THAT(Execute({"info", folder / "run"}).output, HasSubstr("go through a network of width 64 first"));
+  ASSERT_EQ(Execute({"import", "openpose", TestData("detections/openpose"), "-o", folder / "moved.h5", "--image-size",
+                     "1920x1080", "--morph", folder / "morph"})
+                .exit_code,
+            0);
+  EXPECT_THAT(Execute({"info", folder / "moved.h5"}).output, HasSubstr("morphed by"));
+  EXPECT_THAT(
+      Execute({"lift", folder / "run", folder / "moved.h5", "--camera", "cam1", "-o", folder / "poses.npz"}).errors,
+      HasSubstr("its keypoints were moved by"));
 
   // There is nothing to learn if the detector is exact: the result can only be worse, which a warning says.
   ASSERT_EQ(simulate(folder / "exact.h5", {"--noise", "0"}), 0);
@@ -428,6 +442,140 @@ TEST(Program, SolvesAndDistils) {
   EXPECT_EQ(Execute({"solve", folder / "a.h5", "-o", folder / "x.h5", "--mirror", "sideways"}).exit_code, 2);
   EXPECT_EQ(Execute({"solve", folder / "none.h5", "-o", folder / "x.h5"}).exit_code, 3);
   EXPECT_EQ(Execute({"solve", folder / "a.h5", "-o", folder / "x.h5", "--model", folder / "none"}).exit_code, 3);
+}
+
+TEST(Program, SolvesSeveralFilesTogether) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(Execute({"simulate", "-o", folder / "a.h5", "--subjects", "1", "--clips", "1", "--activities", "dance",
+                     "--seconds", "8", "--fps", "15", "--seed", "4"})
+                .exit_code,
+            0);
+  const Dataset whole = ReadDataset(folder / "a.h5");
+  for (const auto& [name, range] : {std::pair("first.h5", FrameRange{0, 59}), {"second.h5", FrameRange{60, 119}}}) {
+    Dataset half = whole;
+    KeepFrames(half, range, name);
+    WriteDataset(folder / name, half);
+  }
+  const Outcome solved =
+      Execute({"solve", folder / "first.h5", folder / "second.h5", "-o", folder / "solved.h5", "--threads", "1"});
+  ASSERT_EQ(solved.exit_code, 0) << solved.errors;
+  EXPECT_THAT(solved.output, HasSubstr("120 of 120 solved")) << "one capture";
+  const Dataset result = ReadDataset(folder / "solved.h5");
+  const std::string name = whole.sequences.front().name;
+  ASSERT_EQ(result.sequences.size(), 2U);
+  EXPECT_EQ(result.sequences[0].name, name);
+  EXPECT_EQ(result.sequences[1].name, "second-" + name);
+  for (std::size_t c = 0; c < result.sequences[0].cameras.size(); ++c) {
+    EXPECT_EQ(result.sequences[0].cameras[c].solved_calibration[0].K,
+              result.sequences[1].cameras[c].solved_calibration[0].K);
+  }
+  fs::copy_file(folder / "first.h5", folder / "copy.h5");
+  ExpectBadInput({"solve", folder / "first.h5", folder / "copy.h5", "-o", folder / "x.h5"},
+                 AllOf(HasSubstr("copy.h5"), HasSubstr("given once")));
+  EXPECT_EQ(Execute({"solve", folder / "first.h5", folder / "second.h5", "-o", folder / "second.h5"}).exit_code, 2);
+}
+
+TEST(Program, ASolutionWhoseDepthIsAGuessEndsWithFour) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(Execute({"simulate", "-o", folder / "far.h5", "--subjects", "1", "--clips", "1", "--activities", "dance",
+                     "--seconds", "6", "--fps", "15", "--distance", "300"})
+                .exit_code,
+            0);
+  const auto solve = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"solve", folder / "far.h5", "-o", folder / "solved.h5"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Execute(arguments);
+  };
+  const Outcome guess = solve({"--bootstrap", "factorisation"});
+  EXPECT_EQ(guess.exit_code, 4);
+  EXPECT_THAT(guess.output, HasSubstr("undecided"));
+  EXPECT_THAT(guess.message(), AllOf(HasSubstr("solved.h5 is written, but its 3D poses cannot be believed"),
+                                     HasSubstr("--mirror keep"), HasSubstr("--mirror flip")));
+  EXPECT_TRUE(ReadDataset(folder / "solved.h5").HasSolved());
+  EXPECT_EQ(solve({"--bootstrap", "factorisation", "--mirror", "keep"}).exit_code, 0);
+  const Outcome known = solve({"--bootstrap", "starter"});
+  EXPECT_EQ(known.exit_code, 0) << "the starter knows which way round people are: " << known.errors;
+  EXPECT_THAT(known.output, HasSubstr("undecided"));
+}
+
+TEST(Program, ASecondTrainingInTheSameFolderIsRefused) {
+  const TemporaryFolder folder;
+  WriteData(folder / "data.h5");
+  std::vector<std::string> arguments = TrainArguments(folder / "data.h5", folder / "run");
+  arguments.insert(arguments.end(), {"--epochs", "100000", "--resume"});
+  const pid_t first = Start(arguments, folder / "out", folder / "err");
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  while (!fs::exists(folder / "run/metrics.jsonl") && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  for (const char* how : {"--resume", "--overwrite"}) {
+    arguments.back() = how;
+    ExpectBadInput(arguments, AllOf(HasSubstr("run: expected a folder in which nothing else is at work"),
+                                    HasSubstr(fmt::format("found process {} on ", first))));
+  }
+  kill(first, SIGKILL);
+  EXPECT_EQ(Wait(first), 128 + SIGKILL) << "the second one did not disturb it";
+  EXPECT_TRUE(fs::exists(folder / "run/lock")) << "what a killed process leaves";
+  arguments = TrainArguments(folder / "data.h5", folder / "run");
+  arguments.emplace_back("--overwrite");
+  EXPECT_TRUE(HasTrained(Execute(arguments)));
+  EXPECT_FALSE(fs::exists(folder / "run/lock"));
+}
+
+TEST(Program, AFullDiskKeepsWhatWasThere) {
+  const TemporaryFolder folder;
+  WriteData(folder / "data.h5");
+  ASSERT_TRUE(HasTrained(Execute(TrainArguments(folder / "data.h5", folder / "run"))));
+  const std::string model = ReadFile(folder / "run/model.cpm");
+  WriteFileAtomically(folder / "poses.npz", "old");
+  WriteFileAtomically(folder / "out.h5", "old");
+  // A limit on the size of files makes writing fail as a full disk does.
+  const auto with_limit = [&](const std::vector<std::string>& arguments, rlim_t bytes) {
+    const pid_t child = fork();
+    if (child == 0) {
+      std::signal(SIGXFSZ, SIG_IGN);
+      const rlimit limit{bytes, bytes};
+      setrlimit(RLIMIT_FSIZE, &limit);
+      dup2(open((folder / "err").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666), STDERR_FILENO);
+      Become(arguments);
+    }
+    const int exit_code = Wait(child);
+    return Outcome{exit_code, "", ReadFile(folder / "err")};
+  };
+  const std::vector<std::vector<std::string>> commands = {
+      {"lift", folder / "run", folder / "data.h5", "--camera", "a", "-o", folder / "poses.npz"},
+      {"simulate", "-o", folder / "out.h5", "--subjects", "1", "--clips", "1", "--seconds", "1"},
+      {"import", "openpose", TestData("detections/openpose"), "-o", folder / "out.h5", "--image-size", "1920x1080"},
+      {"train", folder / "data.h5", "-o", folder / "run", "--preset", "plus", "--width", "24", "--epochs", "3",
+       "--threads", "1", "--overwrite"}};
+  const auto files = [&] { return std::distance(fs::recursive_directory_iterator(folder.path()), {}); };
+  for (const std::vector<std::string>& command : commands) {
+    for (const rlim_t bytes : {1000, 4000}) {
+      const Outcome outcome = with_limit(command, bytes);
+      const auto before = files();
+      EXPECT_EQ(outcome.exit_code, 3) << command.front() << outcome.errors;
+      EXPECT_THAT(outcome.message(), AllOf(::testing::StartsWith("error: "), HasSubstr("free some space")));
+      EXPECT_EQ(files(), before);
+    }
+  }
+  EXPECT_EQ(ReadFile(folder / "poses.npz"), "old");
+  EXPECT_EQ(ReadFile(folder / "out.h5"), "old");
+  EXPECT_EQ(ReadFile(folder / "run/model.cpm"), model);
+}
+
+TEST(Program, MessagesAreOneLineWhateverAFileIsCalled) {
+  const TemporaryFolder folder;
+  for (const char* name : {"two\nlines.h5", "{}.h5", "%s.h5", "ta\tb.h5", "a\rb.h5"}) {
+    for (const std::vector<std::string>& arguments :
+         {std::vector<std::string>{"info", folder / name},
+          {"solve", folder / name, "-o", folder / "x.h5"},
+          {"import", "openpose", TestData("detections/openpose"), "-o", folder / "none" / name, "--image-size", "9x9"},
+          {"solve", folder / name, "-o", std::string(name) + ".csv"}}) {
+      const Outcome outcome = Execute(arguments);
+      EXPECT_THAT(outcome.exit_code, ::testing::AnyOf(2, 3)) << outcome.errors;
+      EXPECT_EQ(outcome.errors, outcome.message() + "\n");
+    }
+  }
 }
 
 TEST(Program, SolvesBodiesOtherThanPeoples) {

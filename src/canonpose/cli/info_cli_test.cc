@@ -188,5 +188,19 @@ TEST(InfoProgram, RefusesWhatItCannotRead) {
   EXPECT_EQ(outcome.output, "");
 }
 
+TEST(InfoProgram, AVideoNeedsADetector) {
+  const TemporaryFolder folder;
+  WriteFileAtomically(folder / "a.avi", "RIFF1234AVI LIST");
+  ExpectBadInput({"info", folder / "a.avi"}, AllOf(HasSubstr("a video"), HasSubstr("2D keypoint detector")));
+  const std::string data = folder / "data.h5";
+  ASSERT_EQ(
+      Execute({"simulate", "-o", data, "--subjects", "1", "--clips", "1", "--seconds", "2", "--fps", "10"}).exit_code,
+      0);
+  ASSERT_TRUE(testing::HasTrained(Execute({"train", data, "-o", folder / "run", "--preset", "supervised", "--width",
+                                           "16", "--epochs", "1", "--threads", "1"})));
+  ExpectBadInput({"lift", folder / "run", folder / "a.avi", "-o", folder / "x.npz"},
+                 AllOf(HasSubstr("a video"), HasSubstr("2D keypoint detector")));
+}
+
 }  // namespace
 }  // namespace canonpose

@@ -1,14 +1,21 @@
-// canonpose solve data.h5 -o solved.h5
+// canonpose solve data.h5... -o solved.h5
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/cli/commands.h"
 #include "canonpose/data/dataset.h"
+#include "canonpose/data/duplicates.h"
+#include "canonpose/data/merge.h"
 #include "canonpose/pipeline/bootstrap.h"
 #include "canonpose/solve/solver.h"
 
@@ -18,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct SolveArguments {
-  fs::path data;
+  std::vector<fs::path> data;
   fs::path output;
   fs::path json;
   std::string frames;
@@ -26,22 +33,39 @@ struct SolveArguments {
   SolveOptions options;
 };
 
+/// All files as one recording.
+Dataset ReadAll(const SolveArguments& arguments) {
+  std::vector<Dataset> datasets;
+  std::vector<std::string> files;
+  for (const fs::path& path : arguments.data) {
+    datasets.push_back(ReadDataset(path));
+    files.push_back(path.string());
+    if (!arguments.frames.empty()) KeepFrames(datasets.back(), FrameRange::Parse(arguments.frames), files.back());
+  }
+  if (datasets.size() > 1) RequireDistinctRecordings(datasets, files);
+  return MergeDatasets(std::move(datasets), files);
+}
+
 void RunSolve(const SolveArguments& arguments) {
   arguments.options.Validate();
   RequireDatasetName(arguments.output);
-  for (const fs::path& output : {arguments.output, arguments.json}) {
-    RequireOutputIsNotAnInput(output, {arguments.data, arguments.bootstrap.model});
-  }
+  std::vector<fs::path> inputs = arguments.data;
+  inputs.push_back(arguments.bootstrap.model);
+  for (const fs::path& output : {arguments.output, arguments.json}) RequireOutputIsNotAnInput(output, inputs);
   { const AtomicFile probe(arguments.output); }  // before minutes of work
-  Dataset dataset = ReadDataset(arguments.data);
-  if (!arguments.frames.empty()) KeepFrames(dataset, FrameRange::Parse(arguments.frames), arguments.data.string());
+  Dataset dataset = ReadAll(arguments);
   BootstrapOptions bootstrap = arguments.bootstrap;
   bootstrap.threads = arguments.options.threads;
-  const StartPoses start = Bootstrap(dataset, arguments.data.string(), bootstrap);
+  std::vector<std::string> files;
+  for (const fs::path& path : arguments.data) files.push_back(path.string());
+  const StartPoses start = Bootstrap(dataset, fmt::format("{}", fmt::join(files, ", ")), bootstrap);
   const SolveReport report = Solve(dataset, start, arguments.options);
   WriteDataset(arguments.output, dataset);
   if (!arguments.json.empty()) WriteFileAtomically(arguments.json, report.ToJson());
   std::cout << report.ToText() << std::flush;
+  const std::string doubt = report.Doubt();
+  if (doubt.empty()) return;
+  ThrowComputation("{} is written, but its 3D poses cannot be believed: {}", arguments.output.string(), doubt);
 }
 
 }  // namespace
@@ -50,8 +74,13 @@ void AddSolveCommand(CLI::App& app) {
   auto arguments = std::make_shared<SolveArguments>();
   CLI::App* command =
       app.add_subcommand("solve", "Find the 3D poses and the cameras of a recording from its keypoints alone");
-  command->add_option("data", arguments->data, "Dataset file made by import")->required();
-  command->add_option("-o,--output", arguments->output, "Dataset file to write: the same data with poses and cameras")
+  command
+      ->add_option("data", arguments->data,
+                   "Dataset files made by import; captures of one name in several of them are solved together")
+      ->required();
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "Dataset file to write: the data of all files with poses and cameras")
       ->required();
   command->add_option("--model", arguments->bootstrap.model, "Run or model file of a lifter to start from");
   command

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/base/progress.h"
@@ -87,6 +88,9 @@ void RequireDifferentFiles(const std::vector<fs::path>& files) {
 
 void RunTrain(const TrainArguments& arguments) {
   RequireDifferentFiles(arguments.data);
+  std::vector<fs::path> inputs = arguments.data;
+  inputs.insert(inputs.end(), {arguments.morph, arguments.morph / "model.cpm"});
+  RequireOutputIsNotAnInput(arguments.run_folder / "model.cpm", inputs);
   TrainJob job;
   job.options = ResolveOptions(arguments);
   job.run_folder = arguments.run_folder;

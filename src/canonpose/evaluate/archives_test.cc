@@ -1,10 +1,14 @@
 #include "canonpose/evaluate/archives.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "canonpose/base/testing.h"
 #include "canonpose/data/codecs/npz.h"
+#include "canonpose/evaluate/report.h"
 #include "canonpose/skeleton/skeleton.h"
 
 namespace canonpose {
@@ -97,6 +101,27 @@ TEST(ArchivesTest, ArchivesThatDoNotMatchAreRefused) {
   flat.Add("pose3d", std::vector<float>(48, 1.0F), {1, 48});
   flat.Commit();
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadPoseArchive(folder / "flat.npz"); }), HasSubstr("(1, 48)"));
+}
+
+TEST(ArchivesTest, PosesThatAreNaNAreCountedAsMissing) {
+  const TemporaryFolder folder;
+  WritePoses(folder / "truth.npz", 1.0F, -1, {});
+  PoseArchive poses = ReadPoseArchive(folder / "truth.npz");
+  std::fill_n(poses.poses.begin(), 3 * 16, NAN);
+  const auto write = [&](const char* name) {
+    NpzWriter writer(folder / name);
+    writer.Add("pose3d", poses.poses, {2, 16, 3});
+    writer.Commit();
+  };
+  write("half.npz");
+  const EvaluationReport report = EvaluateArchives(folder / "half.npz", folder / "truth.npz", {});
+  EXPECT_EQ(report.metrics.poses, 1);
+  EXPECT_EQ(report.missing_predictions, 1);
+  EXPECT_THAT(ReportAsTable(report), HasSubstr("Poses: 1; 1 more were not predicted"));
+  std::fill(poses.poses.begin(), poses.poses.end(), NAN);
+  write("none.npz");
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { EvaluateArchives(folder / "none.npz", folder / "truth.npz", {}); }),
+              HasSubstr("none.npz"));
 }
 
 TEST(ArchivesTest, TruthInMetresIsReadAsSuch) {

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <string>
 
@@ -65,7 +66,13 @@ void WriteLiftJson(const std::filesystem::path& path, const LiftedPoses& poses) 
   const double fps = poses.pose_in_camera.fps;
   if (fps > 0.0) text += fmt::format("  \"fps\": {},\n", dump(fps));
   text += fmt::format("  \"joints\": {},\n", dump(poses.skeleton().joints));
+  text += fmt::format("  \"parents\": {},\n", dump(poses.skeleton().parents));
   text += fmt::format("  \"frames\": {},\n", dump(poses.frames));
+  Json seconds = Json::array();
+  for (const std::int64_t frame : poses.frames) {
+    seconds.push_back(fps > 0.0 ? Json(static_cast<double>(frame) / fps) : Json());
+  }
+  text += fmt::format("  \"time\": {},\n", dump(seconds));
   AppendArray(text, "pose3d", poses.pose_in_camera.positions(), frames, joints);
   text += ",\n";
   AppendTable(text, "confidence", poses.pose_in_camera.confidence(), frames, joints);

@@ -1,3 +1,7 @@
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
 #include "canonpose/data/codecs/npz.h"
 #include "canonpose/export/lift_output.h"
 
@@ -13,9 +17,16 @@ void WriteLiftNpz(const std::filesystem::path& path, const LiftedPoses& poses) {
   writer.Add("canonical", poses.canonical.positions(), {frames, joints, 3});
   writer.Add("rotation", poses.rotation, {frames, 3, 3});
   writer.AddStrings("joints", poses.skeleton().joints);
+  const std::vector<std::int64_t> parents(poses.skeleton().parents.begin(), poses.skeleton().parents.end());
+  writer.Add("parents", parents, {joints});
   writer.Add("frames", poses.frames, {frames});
-  writer.AddString("units", UnitsInFile(poses));
   const double fps = poses.pose_in_camera.fps;
+  std::vector<double> seconds;
+  for (const std::int64_t frame : poses.frames) {
+    seconds.push_back(fps > 0.0 ? static_cast<double>(frame) / fps : std::nan(""));
+  }
+  writer.Add("time", seconds, {frames});
+  writer.AddString("units", UnitsInFile(poses));
   if (fps > 0.0) writer.Add("fps", std::vector<double>{fps}, {});
   writer.Commit();
 }

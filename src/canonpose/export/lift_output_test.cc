@@ -35,7 +35,7 @@ TEST(LiftOutputTest, Npz) {
   WriteLiftOutput(folder / "a.npz", Sample());
   const NpzReader reader(folder / "a.npz");
   EXPECT_THAT(reader.names(), ElementsAre("pose3d", "confidence", "standard_deviation", "canonical", "rotation",
-                                          "joints", "frames", "units"));
+                                          "joints", "parents", "frames", "time", "units"));
   std::vector<std::size_t> shape;
   EXPECT_EQ(reader.ReadFloats("pose3d", &shape)[4], -250.5F);
   EXPECT_THAT(shape, ElementsAre(2, 2, 3));
@@ -46,6 +46,13 @@ TEST(LiftOutputTest, Npz) {
   (void)reader.ReadFloats("rotation", &shape);
   EXPECT_THAT(shape, ElementsAre(2, 3, 3));
   EXPECT_THAT(reader.ReadStrings("units"), ElementsAre("mm"));
+  EXPECT_EQ(reader.Read("parents").shape, std::vector<std::size_t>{2});
+  EXPECT_EQ(reader.ReadFloats("parents", &shape), (std::vector<float>{-1, 0}));
+  EXPECT_TRUE(std::isnan(reader.ReadFloats("time", &shape)[0])) << "the frame rate is unknown";
+  LiftedPoses timed = Sample();
+  timed.pose_in_camera.fps = 50.0;
+  WriteLiftOutput(folder / "b.npz", timed);
+  EXPECT_THAT(NpzReader(folder / "b.npz").ReadFloats("time", &shape), ElementsAre(0.2F, 0.22F));
 }
 
 TEST(LiftOutputTest, Csv) {
@@ -74,7 +81,9 @@ TEST(LiftOutputTest, Json) {
   EXPECT_EQ(json["units"], "mm");
   EXPECT_EQ(json["fps"], 29.97);
   EXPECT_EQ(json["joints"][1], "Neck, \"upper\"");
+  EXPECT_EQ(json["parents"], (std::vector<int>{-1, 0}));
   EXPECT_EQ(json["frames"], (std::vector<int>{10, 11}));
+  EXPECT_NEAR(json["time"][1].get<double>(), 11 / 29.97, 1e-9);
   EXPECT_EQ(json["pose3d"].size(), 2U);
   EXPECT_TRUE(json["pose3d"][1][0][2].is_null());
   EXPECT_EQ(json["confidence"], (nlohmann::json{{1.0, 0.25}, {0.0, 0.0}}));

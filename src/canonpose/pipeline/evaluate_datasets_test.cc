@@ -110,6 +110,29 @@ TEST_F(EvaluateDatasetsTest, ACalibrationInMetresIsReadAsSuch) {
   EXPECT_NEAR(report.metrics.n_mpjpe_mm, right.metrics.n_mpjpe_mm, 0.1);
 }
 
+TEST_F(EvaluateDatasetsTest, TheTimeShiftThatSolveFoundIsUsed) {
+  Dataset dataset = SmallCapture();
+  DropTruth(dataset);
+  // Camera 1 began three frames early: its frame n shows what the others show in frame n - 3.
+  constexpr int kEarly = 3;
+  Sequence& sequence = dataset.sequences.front();
+  CameraView& view = Cameras(dataset)[1];
+  const std::size_t joints = dataset.skeleton.joints.size();
+  const CameraView recorded = view;
+  for (std::size_t t = static_cast<std::size_t>(sequence.frame_count); t-- > kEarly;) {
+    std::copy_n(&recorded.keypoints[2 * joints * (t - kEarly)], 2 * joints, &view.keypoints[2 * joints * t]);
+    std::copy_n(&recorded.confidence[joints * (t - kEarly)], joints, &view.confidence[joints * t]);
+    view.solved.PoseAt(static_cast<int>(t)) = recorded.solved.PoseAt(static_cast<int>(t) - kEarly);
+  }
+  const EvaluationReport late = EvaluateDatasets(Job(dataset), SolvedPoses());
+  view.time_offset_seconds = -kEarly / sequence.fps;
+  const EvaluationReport shifted = EvaluateDatasets(Job(dataset), SolvedPoses());
+  ASSERT_TRUE(shifted.reference.reprojection_px && late.reference.reprojection_px);
+  EXPECT_GT(late.reference.reprojection_px->median_px, 2.0);
+  EXPECT_LT(shifted.reference.reprojection_px->median_px, 0.1);
+  EXPECT_LT(shifted.metrics.n_mpjpe_mm, 0.5 * late.metrics.n_mpjpe_mm);
+}
+
 TEST_F(EvaluateDatasetsTest, TruthInMetresIsReadAsSuch) {
   Dataset dataset = SmallCapture();
   for (Sequence& sequence : dataset.sequences) {

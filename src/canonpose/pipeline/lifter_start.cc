@@ -20,6 +20,7 @@ namespace {
 StartPoses LiftAll(const PoseLifter& lifter, const Dataset& dataset, const std::string& file) {
   lifter.RequireSkeleton(dataset.skeleton, file);
   StartPoses start;
+  start.knows_depth_sign = lifter.info().mirror.decision != "undecided";
   for (const Sequence& sequence : dataset.sequences) {
     start.sequences.emplace_back();
     for (const CameraView& view : sequence.cameras) {

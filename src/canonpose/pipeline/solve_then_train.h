@@ -5,13 +5,15 @@
 
 namespace canonpose {
 
-/// Train() with supervision=solved. Datasets that have not been solved yet are solved first, each into the run folder:
+/// Train() with supervision=solved. Datasets that have not been solved yet are solved first, all together: captures of
+/// one name are one capture, whichever datasets they are in. What is found is kept in the run folder:
 ///
-///   RUN/bootstrap-N/    the run of the lifter that dataset N was solved from, where one was trained for it
+///   RUN/bootstrap/      the run of the lifter that they were solved from, where one was trained for them
 ///   RUN/solved-N.h5     dataset N with what `solve` found; reused when the run is resumed
-///   RUN/solved-N.json   its report
+///   RUN/solved.json     the report
 ///
-/// Throws as Train(), Bootstrap() and Solve() do.
+/// Throws as Train(), Bootstrap() and Solve() do, and Error(kComputation) where which way round depth is remained a
+/// guess (SolveReport::Doubt()).
 TrainReport SolveThenTrain(TrainJob job);
 
 }  // namespace canonpose

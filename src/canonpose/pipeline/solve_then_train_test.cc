@@ -39,7 +39,7 @@ TEST(SolveThenTrain, SolvesFirstAndKeepsWhatItFound) {
   EXPECT_GT(report.model.info.steps, 0);
   EXPECT_FALSE(report.stopped);
   EXPECT_TRUE(ReadDataset(folder / "run/solved-0.h5").HasSolved());
-  EXPECT_THAT(ReadFile(folder / "run/solved-0.json"), HasSubstr("\"captures\""));
+  EXPECT_THAT(ReadFile(folder / "run/solved.json"), HasSubstr("\"captures\""));
   EXPECT_TRUE(std::filesystem::exists(folder / "run/model.cpm"));
 }
 
@@ -65,6 +65,49 @@ TEST(SolveThenTrain, TakesSolvedDataAsTheyAre) {
   SolveThenTrain(job);
   EXPECT_FALSE(std::filesystem::exists(folder / "second/solved-0.h5"));
   EXPECT_EQ(ReadFile(folder / "second/model.cpm"), model);
+}
+
+TEST(SolveThenTrain, CapturesOfOneNameInSeveralFilesAreSolvedTogether) {
+  const TemporaryFolder folder;
+  TrainJob job = SmallJob(folder / "run");
+  const Dataset whole = job.datasets.front();
+  job.datasets = {whole, whole};
+  job.data_files = {"first.h5", "second.h5"};
+  KeepFrames(job.datasets[0], {0, 36}, "first.h5");
+  KeepFrames(job.datasets[1], {37, 74}, "second.h5");
+  const auto focals_of = [&](const char* file) {
+    std::vector<double> focals;
+    for (const CameraView& view : ReadDataset(folder / file).sequences.front().cameras) {
+      focals.push_back(view.solved_calibration.front().K(0, 0));
+    }
+    return focals;
+  };
+  const std::string model = SolveThenTrain(job).model.info.data_files[1];
+  EXPECT_EQ(model, "second.h5");
+  EXPECT_EQ(focals_of("run/solved-0.h5"), focals_of("run/solved-1.h5"));
+  EXPECT_EQ(ReadDataset(folder / "run/solved-1.h5").sequences.front().name, whole.sequences.front().name);
+
+  // A run that was killed between the two files solves again, to the same bits.
+  const std::string second = ReadFile(folder / "run/solved-1.h5");
+  std::filesystem::remove(folder / "run/solved-1.h5");
+  job.resume = true;
+  SolveThenTrain(job);
+  EXPECT_EQ(ReadFile(folder / "run/solved-1.h5"), second);
+}
+
+TEST(SolveThenTrain, DoesNotLearnFromPosesWhoseDepthIsAGuess) {
+  const TemporaryFolder folder;
+  TrainJob job = SmallJob(folder / "run");
+  SimulationOptions simulation = testing::SmallSimulation();
+  simulation.clips = 1;
+  simulation.seconds = 3.0;
+  simulation.rig.distance_m = 300.0;  // no perspective
+  job.datasets = {testing::Simulate(simulation).dataset};
+  job.options.bootstrap = BootstrapKind::kFactorisation;
+  EXPECT_THAT(ErrorOf(ErrorKind::kComputation, [&] { SolveThenTrain(job); }),
+              HasSubstr("cannot be believed: which way round depth is could not be decided"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "run/solved-0.h5")) << "resuming would take it";
+  EXPECT_TRUE(std::filesystem::exists(folder / "run/solved.json"));
 }
 
 TEST(SolveThenTrain, RefusesAFolderInUseBeforeSolving) {

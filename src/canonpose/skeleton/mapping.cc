@@ -27,10 +27,12 @@ struct Part {
 const std::vector<Part>& Parts() {
   static const std::vector<Part> parts = {
       {"hip", true, {"hip", "upleg", "upperleg"}},
-      {"knee", true, {"knee", "kne"}},
+      {"knee", true, {"knee", "kne", "leg", "lowerleg"}},
       {"ankle", true, {"ankle", "ank", "foot"}},
-      {"shoulder", true, {"shoulder", "sho"}},
-      {"elbow", true, {"elbow", "elb"}},
+      // Mixamo's and MotionBuilder's "LeftShoulder" is the collar bone. It ends where "LeftArm" begins: in the
+      // shoulder.
+      {"shoulder", true, {"arm", "upperarm", "shoulder", "sho"}},
+      {"elbow", true, {"elbow", "elb", "forearm", "lowerarm"}},
       {"wrist", true, {"wrist", "wri", "hand"}},
       {"eye", true, {"eye"}},
       {"ear", true, {"ear"}},
@@ -41,7 +43,7 @@ const std::vector<Part>& Parts() {
       {"spine", false, {"spine"}},
       {"thorax", false, {"thorax"}},
       {"nose", false, {"nose", "necknose"}},
-      {"headtop", false, {"headtop", "tophead", "head"}},
+      {"headtop", false, {"headtop", "headtopend", "tophead", "head"}},
   };
   return parts;
 }

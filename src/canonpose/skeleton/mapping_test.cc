@@ -86,6 +86,35 @@ TEST(MappingTest, LongNamesAndCentreOfTheHead) {
   EXPECT_EQ(mapping.Describe(16), "right_wrist");
 }
 
+TEST(MappingTest, MixamosShoulderIsTheCollarBone) {
+  Skeleton source;
+  source.joints = {"mixamorig:Hips", "mixamorig:Spine", "mixamorig:Spine1",     "mixamorig:Spine2",
+                   "mixamorig:Neck", "mixamorig:Head",  "mixamorig:HeadTop_End"};
+  for (const std::string side : {"Left", "Right"}) {
+    for (const char* part : {"Shoulder", "Arm", "ForeArm", "Hand", "UpLeg", "Leg", "Foot", "ToeBase"}) {
+      source.joints.push_back("mixamorig:" + side + part);
+    }
+  }
+  const LayoutMapping mapping = MapLayout(source, *FindSkeleton("h36m-17"));
+  const auto made_from = [&](const char* joint) { return mapping.Describe(mapping.target.Find(joint).value()); };
+  for (const auto& [joint, name] : {std::pair("LShoulder", "LeftArm"),
+                                    {"LElbow", "LeftForeArm"},
+                                    {"LWrist", "LeftHand"},
+                                    {"RShoulder", "RightArm"},
+                                    {"RElbow", "RightForeArm"},
+                                    {"RWrist", "RightHand"},
+                                    {"LHip", "LeftUpLeg"},
+                                    {"LKnee", "LeftLeg"},
+                                    {"LFoot", "LeftFoot"},
+                                    {"RHip", "RightUpLeg"},
+                                    {"RKnee", "RightLeg"},
+                                    {"RFoot", "RightFoot"},
+                                    {"Head", "HeadTop_End"}}) {
+    EXPECT_EQ(made_from(joint), std::string("mixamorig:") + name) << joint;
+  }
+  EXPECT_EQ(made_from("Thorax"), "Thorax = mean(mixamorig:LeftArm, mixamorig:RightArm)");
+}
+
 TEST(MappingTest, ALayoutOntoItselfIsACopy) {
   for (const Skeleton& skeleton : BuiltinSkeletons()) {
     const LayoutMapping mapping = MapLayout(skeleton, skeleton);

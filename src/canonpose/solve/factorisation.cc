@@ -300,6 +300,7 @@ Factorisation Factorise(const CaptureObservations& capture) {
 
 StartPoses FactorisedStart(const Dataset& dataset, const std::string& file) {
   StartPoses start;
+  start.knows_depth_sign = false;
   for (const Sequence& sequence : dataset.sequences) {
     if (!sequence.static_cameras) {
       ThrowBadInput({file, sequence.name, "static cameras", "moving ones", "choose another `bootstrap`"});

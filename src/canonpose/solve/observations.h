@@ -21,6 +21,8 @@ namespace canonpose {
 /// the camera, in any unit; missing in frames where the start has no pose, empty where it has none of a whole view.
 struct StartPoses {
   std::vector<std::vector<PoseSequence>> sequences;
+  /// Whether they say which way round depth is. A factorisation's may as well be the mirror image.
+  bool knows_depth_sign = true;
 };
 
 /// Consecutive frames of one sequence.

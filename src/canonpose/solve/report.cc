@@ -196,6 +196,18 @@ std::string CaptureReport::Trust() const {
   return fmt::format("Use it with care: {}; otherwise {}.", fmt::join(doubts, ", "), agreement);
 }
 
+std::string SolveReport::Doubt() const {
+  std::vector<std::string> guesses;
+  for (const CaptureReport& capture : captures) {
+    if (capture.mirror_is_a_guess) guesses.push_back(capture.name);
+  }
+  if (guesses.empty()) return "";
+  return fmt::format(
+      "which way round depth is could not be decided for {}, and what solving started from does not know it either: "
+      "look at the poses, and solve again with `mirror=keep` if they are right, or `mirror=flip`",
+      fmt::join(guesses, ", "));
+}
+
 std::string SolveReport::ToText() const {
   std::string text;
   for (const CaptureReport& capture : captures) {
@@ -263,6 +275,7 @@ std::string SolveReport::ToJson() const {
       one["largest_view_angle_deg"] = capture.largest_view_angle_deg;
       one["mirror"] = capture.mirror;
       one["mirror_sigma"] = capture.mirror_sigma;
+      one["mirror_is_a_guess"] = capture.mirror_is_a_guess;
       one["cameras"] = cameras;
       one["swaps_mended"] = capture.swaps_corrected;
       one["offsets"] = Json::array();

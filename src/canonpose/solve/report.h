@@ -44,7 +44,9 @@ struct CaptureReport {
   /// start's poses are what is kept or flipped.
   std::string mirror;
   double mirror_sigma = 0.0;  ///< standard errors by which the solution explains the keypoints better than its mirror
-  int swaps_corrected = 0;    ///< frames, summed over cameras, in which left and right were exchanged
+  /// Undecided, and the start's poses do not say which way round depth is either (StartPoses::knows_depth_sign).
+  bool mirror_is_a_guess = false;
+  int swaps_corrected = 0;  ///< frames, summed over cameras, in which left and right were exchanged
   std::vector<OffsetReport> offsets;
   std::vector<CameraFinding> findings;
   std::vector<std::string> unseen_joints;        ///< that no camera ever sees; they are not in the result
@@ -59,6 +61,9 @@ struct CaptureReport {
 
 struct SolveReport {
   std::vector<CaptureReport> captures;
+  /// Why the poses of some captures cannot be believed although they are solved, and what to do about it: which way
+  /// round depth is remained a guess. Empty where nothing speaks against them.
+  [[nodiscard]] std::string Doubt() const;
   /// A table for people.
   [[nodiscard]] std::string ToText() const;
   [[nodiscard]] std::string ToJson() const;

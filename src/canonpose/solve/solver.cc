@@ -56,8 +56,9 @@ bool SeemsToMove(const CaptureObservations& capture, double error, const Calibra
 bool HasFailed(const CaptureWork& work) { return !work.report.failure.empty(); }
 
 /// Finds the cameras of a capture, or sets the failure in the report. Corrects `capture`: views that are out of step
-/// are shifted, those that show somebody else removed.
-void FindCameras(CaptureObservations& capture, const SolveOptions& options, CaptureWork& work) {
+/// are shifted, those that show somebody else removed. `tell` hears what is being done.
+void FindCameras(CaptureObservations& capture, const SolveOptions& options,
+                 const std::function<void(const std::string&)>& tell, CaptureWork& work) {
   work.report.name = capture.name;
   work.report.static_cameras = capture.static_cameras;
   work.report.frames = capture.frame_count;
@@ -72,7 +73,10 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options, Capt
     CalibrationOptions quick = calibration;
     quick.frames = kQuickFrames;
     quick.max_iterations = kQuickIterations;
+    int trials = 0;
     const Calibrate calibrate_quickly = [&](const CaptureObservations& some) {
+      tell(fmt::format("cameras do not fit, trial {}", ++trials));
+      ThrowIfStopRequested();
       return some.static_cameras ? CalibrateStatic(some, quick) : CalibrateMoving(some, quick);
     };
     CorrectImageSizes(capture, calibrate, calibrate_quickly, work.solution);
@@ -237,8 +241,10 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
   std::vector<CaptureWork> works(captures.size());
   for (std::size_t c = 0; c < captures.size(); ++c) {
     ThrowIfStopRequested();
-    progress.Update(done++, captures[c].name + ", cameras");
-    FindCameras(captures[c], options, works[c]);
+    const auto tell = [&](const std::string& what) { progress.Update(done, captures[c].name + ", " + what); };
+    tell("cameras");
+    FindCameras(captures[c], options, tell, works[c]);
+    ++done;
   }
   PoolBones(captures, works);
   SolveReport report;
@@ -247,6 +253,7 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
     progress.Update(done++, captures[c].name + ", all frames");
     if (!HasFailed(works[c])) SolveAllFrames(captures[c], options, works[c]);
     if (!HasFailed(works[c])) {
+      works[c].report.mirror_is_a_guess = works[c].report.mirror.starts_with("undecided") && !start.knows_depth_sign;
       WriteSolution(captures[c], works[c].solution, *works[c].check, dataset);
     } else {
       WriteNothing(captures[c], dataset);

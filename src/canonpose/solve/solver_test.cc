@@ -1,9 +1,12 @@
 #include "canonpose/solve/solver.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <numeric>
+#include <set>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,6 +21,7 @@
 namespace canonpose {
 namespace {
 
+using ::testing::AllOf;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -116,6 +120,46 @@ Dataset ExactHandheldCapture() {
   options.clips = 1;
   options.seconds = 4.0;
   return testing::Simulate(options).dataset;
+}
+
+TEST(Solve, AnUndecidedMirrorIsAGuessUnlessTheStartKnowsIt) {
+  SimulationOptions options = testing::SmallSimulation();
+  options.clips = 1;
+  options.seconds = 3.0;
+  options.rig.distance_m = 300.0;  // no perspective
+  Dataset dataset = testing::Simulate(options).dataset;
+  StartPoses start = testing::NoisyTruth(dataset);
+  SolveReport report = Solve(dataset, start, {});
+  ASSERT_THAT(report.captures[0].mirror, HasSubstr("undecided"));
+  EXPECT_FALSE(report.captures[0].mirror_is_a_guess);
+  EXPECT_EQ(report.Doubt(), "");
+  start.knows_depth_sign = false;
+  report = Solve(dataset, start, {});
+  EXPECT_TRUE(report.captures[0].mirror_is_a_guess);
+  EXPECT_THAT(report.Doubt(), AllOf(HasSubstr("could not be decided for " + report.captures[0].name),
+                                    HasSubstr("`mirror=keep`"), HasSubstr("`mirror=flip`")));
+  EXPECT_THAT(report.ToJson(), HasSubstr("\"mirror_is_a_guess\": true"));
+  SolveOptions by_request;
+  by_request.mirror = "keep";
+  EXPECT_EQ(Solve(dataset, start, by_request).Doubt(), "");
+}
+
+TEST(Solve, SaysWhatItTriesWhereACameraDoesNotFit) {
+  SimulationOptions options = testing::SmallSimulation();
+  options.clips = 1;
+  Dataset dataset = testing::Simulate(options).dataset;
+  options.seed = 8;
+  const Dataset other = testing::Simulate(options).dataset;
+  const StartPoses start = testing::NoisyTruth(dataset);
+  CameraView& view = dataset.sequences[0].cameras[1];
+  view.keypoints = other.sequences[0].cameras[1].keypoints;
+  view.confidence = other.sequences[0].cameras[1].confidence;
+  std::set<std::string> details;
+  Callbacks callbacks;
+  callbacks.progress = [&](const ProgressState& state) { details.insert(state.detail); };
+  const CallbackScope scope(callbacks);
+  Solve(dataset, start, {});
+  EXPECT_GT(std::ranges::count_if(details, [](const std::string& text) { return text.find("trial") != text.npos; }), 1);
 }
 
 TEST(Solve, TheMirrorOfTheStartIsFoundWithMovingCameras) {

@@ -15,9 +15,10 @@ namespace canonpose {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-void PrepareRunFolder(const fs::path& folder, bool resume, bool overwrite) {
-  if (folder.empty()) return;
+std::shared_ptr<const FolderLock> PrepareRunFolder(const fs::path& folder, bool resume, bool overwrite) {
+  if (folder.empty()) return nullptr;
   MakeDirectory(folder);
+  auto lock = std::make_shared<const FolderLock>(folder);
   const bool holds_checkpoint = fs::exists(folder / "checkpoint.h5");
   const bool holds_run = fs::exists(folder / "model.cpm") || holds_checkpoint;
   const bool continues = resume && holds_checkpoint;
@@ -34,10 +35,11 @@ void PrepareRunFolder(const fs::path& folder, bool resume, bool overwrite) {
                          name.find("metrics.jsonl-") != std::string::npos;
     if (name.starts_with(".new-") && is_ours) fs::remove(entry.path());
   }
+  return lock;
 }
 
-RunFolder::RunFolder(fs::path path, bool resume, bool overwrite) : path_(std::move(path)) {
-  PrepareRunFolder(path_, resume, overwrite);
+RunFolder::RunFolder(fs::path path, bool resume, bool overwrite, std::shared_ptr<const FolderLock> lock)
+    : path_(std::move(path)), lock_(lock ? std::move(lock) : PrepareRunFolder(path_, resume, overwrite)) {
   resumes_ = exists() && resume && fs::exists(path_ / "checkpoint.h5");
 }
 

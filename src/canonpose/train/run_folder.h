@@ -6,14 +6,17 @@
 #include <optional>
 #include <string>
 
+#include "canonpose/base/folder_lock.h"
 #include "canonpose/base/log.h"
 #include "canonpose/train/checkpoint.h"
 
 namespace canonpose {
 
-/// Makes the folder and removes half-written files that killed runs left. Throws Error(kInvalidArgument) where it holds
-/// a run and neither `resume` nor `overwrite` says what to do with it. With an empty path nothing is done.
-void PrepareRunFolder(const std::filesystem::path& folder, bool resume, bool overwrite);
+/// Makes the folder, locks it for as long as the result lives, and removes half-written files that killed runs left.
+/// Throws Error(kBadInput) where another run is being trained there, and Error(kInvalidArgument) where it holds a run
+/// and neither `resume` nor `overwrite` says what to do with it. With an empty path nothing is done.
+[[nodiscard]] std::shared_ptr<const FolderLock> PrepareRunFolder(const std::filesystem::path& folder, bool resume,
+                                                                 bool overwrite);
 
 /// What a run writes, and reads when it is resumed:
 ///
@@ -21,12 +24,13 @@ void PrepareRunFolder(const std::filesystem::path& folder, bool resume, bool ove
 ///   RUN/checkpoint.h5   to resume from
 ///   RUN/metrics.jsonl   one line per epoch
 ///   RUN/train.log       the messages of the run
+///   RUN/lock            while it is being trained (base/folder_lock.h)
 ///
 /// With an empty path nothing is written, and there is nothing to resume.
 class RunFolder {
  public:
-  /// Prepares the folder, see above.
-  RunFolder(std::filesystem::path path, bool resume, bool overwrite);
+  /// Prepares the folder, see above, unless `lock` says that it has been prepared.
+  RunFolder(std::filesystem::path path, bool resume, bool overwrite, std::shared_ptr<const FolderLock> lock = nullptr);
 
   [[nodiscard]] bool exists() const { return !path_.empty(); }
   /// Its path, for messages.
@@ -56,6 +60,7 @@ class RunFolder {
 
  private:
   std::filesystem::path path_;
+  std::shared_ptr<const FolderLock> lock_;
   bool resumes_ = false;
   std::unique_ptr<LogFile> log_;
 };

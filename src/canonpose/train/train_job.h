@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "canonpose/base/folder_lock.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/model/model_file.h"
 #include "canonpose/train/options.h"
@@ -24,6 +25,8 @@ struct TrainJob {
   std::filesystem::path run_folder;
   bool resume = false;     ///< continue from the folder's checkpoint where there is one
   bool overwrite = false;  ///< start afresh although the folder holds a run
+  /// Of a caller who works in the run folder before Train() and has locked it (PrepareRunFolder()). Null: Train() does.
+  std::shared_ptr<const FolderLock> run_folder_lock;
 };
 
 }  // namespace canonpose

@@ -313,7 +313,7 @@ TrainReport Train(const TrainJob& given) {
   RequireSuitableData(job);
   TrainingSplit split = MakeTrainingSplit(job.datasets, job.options.validation, RowFormOf(job.options));
   RequireEnoughFrames(job, split);
-  RunFolder folder(job.run_folder, job.resume, job.overwrite);
+  RunFolder folder(job.run_folder, job.resume, job.overwrite, job.run_folder_lock);
   LifterTraining training(job, std::move(split), folder);
   TrainingLoop loop(training, folder, "step", job.options.checkpoint_seconds);
   folder.RemoveOldRecords();

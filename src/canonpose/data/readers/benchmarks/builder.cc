@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 
 constexpr float kUnknownValue = std::numeric_limits<float>::quiet_NaN();
 
-/// Maps poses (T, source joints, 3) to (T, target joints, 3): means of the sources, unknown where one of them is.
+/// Maps poses (T, source joints, 3) to (T, target joints, 3): means of the sources. A joint is unknown in all
+/// coordinates where one coordinate of one of its sources is.
 std::vector<float> MapPoses(const std::vector<float>& poses, const LayoutMapping& mapping) {
   const std::size_t source_count = mapping.source.joints.size();
   const std::size_t frames = poses.size() / (3 * source_count);
@@ -36,6 +37,9 @@ std::vector<float> MapPoses(const std::vector<float>& poses, const LayoutMapping
           sum += poses[3 * (t * source_count + static_cast<std::size_t>(source)) + axis];
         }
         mapped.push_back(static_cast<float>(sum / static_cast<double>(joint.sources.size())));
+      }
+      if (std::any_of(mapped.end() - 3, mapped.end(), [](float value) { return std::isnan(value); })) {
+        std::fill(mapped.end() - 3, mapped.end(), kUnknownValue);
       }
     }
   }
@@ -198,11 +202,11 @@ void RequireFinite(const std::vector<double>& values, std::size_t joints, std::s
   if (bad != values.end()) RefuseValue(values, bad, joints, axes, file, place);
 }
 
-void RequireFiniteOrMissing(const std::vector<double>& keypoints, std::size_t joints, const std::string& file,
-                            const std::string& place) {
-  const auto bad = std::find_if_not(keypoints.begin(), keypoints.end(),
+void RequireFiniteOrMissing(const std::vector<double>& values, std::size_t joints, std::size_t axes,
+                            const std::string& file, const std::string& place) {
+  const auto bad = std::find_if_not(values.begin(), values.end(),
                                     [](double value) { return std::isnan(value) || FitsFloat(value); });
-  if (bad != keypoints.end()) RefuseValue(keypoints, bad, joints, 2, file, place);
+  if (bad != values.end()) RefuseValue(values, bad, joints, axes, file, place);
 }
 
 void RequirePixels(const std::vector<double>& keypoints, const std::string& file, const std::string& place) {

@@ -70,9 +70,9 @@ void MarkMissing(std::vector<double>& keypoints, std::vector<Confidence>& confid
   }
 }
 
-/// Throws Error(kBadInput) at the first infinite or huge value of keypoints, (T, joints, 2); NaN is missing.
-void RequireFiniteOrMissing(const std::vector<double>& keypoints, std::size_t joints, const std::string& file,
-                            const std::string& place);
+/// Throws Error(kBadInput) at the first infinite or huge value of (T, joints, axes); NaN is missing.
+void RequireFiniteOrMissing(const std::vector<double>& values, std::size_t joints, std::size_t axes,
+                            const std::string& file, const std::string& place);
 
 /// Throws Error(kBadInput) where keypoints, (T, joints, 2), are fractions of the image rather than pixels.
 void RequirePixels(const std::vector<double>& keypoints, const std::string& file, const std::string& place);

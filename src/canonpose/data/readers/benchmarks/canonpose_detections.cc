@@ -57,7 +57,7 @@ std::vector<Rows> ReadCameras(const pickle::Value& root, std::size_t count, cons
     }
     rows.confidence = ReadRows(confidences[name], count, kDetectedJoints).values;
     MarkMissing(rows.keypoints, rows.confidence);
-    RequireFiniteOrMissing(rows.keypoints, kDetectedJoints, file, poses[name].place());
+    RequireFiniteOrMissing(rows.keypoints, kDetectedJoints, 2, file, poses[name].place());
     RequirePixels(rows.keypoints, file, poses[name].place());
     RequireFinite(rows.confidence, kDetectedJoints, 1, file, confidences[name].place());
     const auto lowest = std::min_element(rows.confidence.begin(), rows.confidence.end());

@@ -190,7 +190,7 @@ View ReadView(const pickle::Numbers& numbers, const pickle::Value& place, const 
     view.confidence.push_back(static_cast<float>(confidence));
   }
   MarkMissing(view.keypoints, view.confidence);
-  RequireFiniteOrMissing(view.keypoints, kHuman36mJoints, file.string(), place.place());
+  RequireFiniteOrMissing(view.keypoints, kHuman36mJoints, 2, file.string(), place.place());
   RequirePixels(view.keypoints, file.string(), place.place());
   return view;
 }
@@ -323,7 +323,7 @@ class Human36mImporter {
       found->Fail("an array (T, 32, 3) = frames, joints, x y z", "", fmt::format("shape ({})", fmt::join(shape, ", ")));
     }
     const std::string file = files_.path_3d.string();
-    RequireFinite(numbers.values, kStoredJoints, 3, file, found->place());
+    RequireFiniteOrMissing(numbers.values, kStoredJoints, 3, file, found->place());
     std::vector<float> kept;
     for (std::size_t t = 0; t < shape[0]; ++t) {
       for (const std::size_t joint : kKept) {

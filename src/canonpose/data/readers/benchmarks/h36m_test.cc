@@ -123,6 +123,20 @@ TEST(H36mTest, NaNIsAMissingJoint) {
   EXPECT_EQ(view.confidence[joint + 1], 1.0F);
 }
 
+TEST(H36mTest, NaNInTheTruthIsAMissingJoint) {
+  BenchmarkOptions options = Options("h36m", {"wrong/h36m_2d_good.npz", "wrong/h36m_3d_nan.npz"});
+  options.calibration = File("h36m/cameras.json");
+  const Dataset dataset = Import(options).dataset;
+  for (const CameraView& view : dataset.sequences[0].cameras) {
+    for (int t = 0; t < view.truth.frame_count(); ++t) {
+      for (int joint = 0; joint < 17; ++joint) {
+        EXPECT_EQ(view.truth.IsKnown(t, joint), !(t == 2 && joint == 6)) << t << " " << joint;
+        EXPECT_EQ(view.truth.PoseAt(t).row(joint).array().isFinite().any(), view.truth.IsKnown(t, joint));
+      }
+    }
+  }
+}
+
 TEST(H36mTest, InvalidFilesAreRefused) {
   const auto refusal = [](const std::string& file) { return Refusal(Options("h36m", {"wrong/" + file})); };
   EXPECT_THAT(refusal("h36m_2d_16_joints.npz"),

@@ -127,14 +127,15 @@ int LeaveOutInvalid(const std::vector<double>& valid, std::vector<double>& keypo
   return count;
 }
 
-/// Checks only valid frames, since the others may contain anything.
-void RequireFiniteWhere(const std::vector<double>& valid, const std::vector<double>& values, std::size_t axes,
-                        const fs::path& path, const std::string& name) {
+/// Checks only valid frames, since the others may contain anything. NaN is missing.
+void RequireFiniteOrMissingWhere(const std::vector<double>& valid, const std::vector<double>& values, std::size_t axes,
+                                 const fs::path& path, const std::string& name) {
   const auto size = static_cast<std::ptrdiff_t>(kTestJoints * axes);
   for (std::size_t t = 0; t < valid.size(); ++t) {
     if (valid[t] == 0.0) continue;
     const auto begin = values.begin() + static_cast<std::ptrdiff_t>(t) * size;
-    RequireFinite({begin, begin + size}, kTestJoints, axes, path.string(), fmt::format("/{}, frame {}", name, t));
+    RequireFiniteOrMissing({begin, begin + size}, kTestJoints, axes, path.string(),
+                           fmt::format("/{}, frame {}", name, t));
   }
 }
 
@@ -175,30 +176,28 @@ class TestSetImporter {
     sequence.frame_count = static_cast<int>(keypoints.frames);
     ReadActivities(root, sequence);
     const std::vector<double> valid = ReadPerFrame(root, "valid_frame", keypoints.frames);
-    RequireFiniteWhere(valid, keypoints.values, 2, path, "annot2");
-    RequireFiniteWhere(valid, poses.values, 3, path, truth_);
+    RequireFiniteOrMissingWhere(valid, keypoints.values, 2, path, "annot2");
+    RequireFiniteOrMissingWhere(valid, poses.values, 3, path, truth_);
     const int valid_count = LeaveOutInvalid(valid, keypoints.values, poses.values);
     RequirePixels(keypoints.values, path.string(), "/annot2");
     LogInfo("{}: {} of {} frames are valid and have truth; arrays are {}", sequence.name, valid_count, keypoints.frames,
             keypoints.is_reversed ? "in MATLAB's order, axes first" : "frames first");
-    sequence.cameras = {MakeView(keypoints.values, poses.values, ImageSize(number, path), path)};
+    sequence.cameras = {MakeView(std::move(keypoints.values), poses.values, ImageSize(number, path), path)};
     sides_.Add(CheckSides(BenchmarkLayout("3dhp-17"), sequence.cameras.front().truth.positions()), sequence.name);
     return sequence;
   }
 
-  CameraView MakeView(const std::vector<double>& keypoints, const std::vector<double>& poses,
+  CameraView MakeView(std::vector<double> keypoints, const std::vector<double>& poses,
                       const std::array<int, 2>& image_size, const fs::path& path) const {
     const PoseUnit unit = DetectUnit(BenchmarkLayout("3dhp-17"), ToFloats(poses), path.string(), truth_);
     ReportUnit(unit, fmt::format("{}: {}", path.string(), truth_));
     CameraView view;
     view.name = "camera";
     view.image_size = image_size;
+    view.confidence.assign(keypoints.size() / 2, 1.0F);
+    MarkMissing(keypoints, view.confidence);
     view.keypoints = ToFloats(keypoints);
     view.truth = TruthPoses(BenchmarkLayout("3dhp-17"), ToFloats(poses, unit.mm_per_unit), view.name);
-    for (std::size_t i = 0; i < keypoints.size(); i += 2) {
-      const bool is_seen = !std::isnan(keypoints[i]) && !std::isnan(keypoints[i + 1]);
-      view.confidence.push_back(is_seen ? 1.0F : 0.0F);
-    }
     return view;
   }
 

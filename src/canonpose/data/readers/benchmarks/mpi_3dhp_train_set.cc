@@ -152,7 +152,7 @@ std::vector<Matrix> ReadAnnotation(const MatFile& file, const std::string& name,
                             axes),
                 fmt::format("({}, {})", cell.rows, cell.columns), kTrainSetAdvice);
     }
-    RequireFinite(cell.values, kTrainJoints, axes, path.string(), place);
+    RequireFiniteOrMissing(cell.values, kTrainJoints, axes, path.string(), place);
   }
   return cells;
 }
@@ -193,7 +193,7 @@ class TrainSetImporter {
                      "annot_data.mat of the test set is read by import 3dhp-test"});
     }
     const MatFile file(path, kTrainSetAdvice);
-    const std::vector<Matrix> keypoints = ReadAnnotation(file, "annot2", 2, path);
+    std::vector<Matrix> keypoints = ReadAnnotation(file, "annot2", 2, path);
     std::vector<Matrix> poses = ReadAnnotation(file, truth_, 3, path);
     const std::size_t frames = keypoints.front().rows;
     if (poses.front().rows != frames) {
@@ -215,8 +215,9 @@ class TrainSetImporter {
       CameraView view;
       view.name = fmt::format("{}", c);
       view.image_size = rig_ ? (*rig_)[c].image_size : kTrainImageSize;
-      view.keypoints = ToFloats(keypoints[c].values);
       view.confidence.assign(frames * kTrainJoints, 1.0F);
+      MarkMissing(keypoints[c].values, view.confidence);
+      view.keypoints = ToFloats(keypoints[c].values);
       view.truth = TruthPoses(BenchmarkLayout("3dhp-28"), ToFloats(poses[c].values, mm), view.name);
       if (rig_) {
         view.calibration = {(*rig_)[c].camera};

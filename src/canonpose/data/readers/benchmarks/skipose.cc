@@ -54,14 +54,14 @@ class LabelsFile {
     cam_ = ReadWhole(root, "cam");
     frame_ = ReadWhole(root, "frame");
     subj_ = ReadWhole(root, "subj");
-    poses_ = ReadRows(root, "3D", 3 * kSkiJoints);
-    keypoints_ = ReadRows(root, "2D", 2 * kSkiJoints);
+    poses_ = ReadRows(root, "3D", 3 * kSkiJoints, /*may_be_missing=*/true);
+    keypoints_ = ReadRows(root, "2D", 2 * kSkiJoints, /*may_be_missing=*/true);
     intrinsic_ = ReadRows(root, "cam_intrinsic", 9);
     position_ = ReadRows(root, "cam_position", 3);
     rotation_ = ReadRows(root, "R_cam_2_world", 9);
     constexpr double kLargestFraction = 3.0;  // a joint may be outside the image, but not far
     for (const double coordinate : keypoints_) {
-      if (std::abs(coordinate) <= kLargestFraction) continue;
+      if (std::isnan(coordinate) || std::abs(coordinate) <= kLargestFraction) continue;
       root.Fail("2D", "fractions of the image, 0 to 1", fmt::format("{}", coordinate), "give labels.h5 as published");
     }
   }
@@ -119,8 +119,9 @@ class LabelsFile {
         {path_, fmt::format("/{}, row {}", name, row), expected, "another matrix", "give labels.h5 as published"});
   }
 
-  /// Reads an array with one row per view and any further dimensions.
-  std::vector<double> ReadRows(const h5::Group& root, const std::string& name, std::size_t columns) const {
+  /// Reads an array with one row per view and any further dimensions. `may_be_missing`: values may be NaN.
+  std::vector<double> ReadRows(const h5::Group& root, const std::string& name, std::size_t columns,
+                               bool may_be_missing = false) const {
     if (!root.Has(name)) root.Fail(name, "an array", "nothing", "give labels.h5 of Ski-PosePTZ");
     h5::Array<double> array = ReadNumbers(root, name);
     const std::size_t rows = seq_.empty() ? (array.shape.empty() ? 0 : array.shape.front()) : seq_.size();
@@ -130,7 +131,8 @@ class LabelsFile {
           fmt::format("shape ({}, {}) = views, numbers per view", rows == 0 ? "N" : fmt::format("{}", rows), columns),
           h5::FormatShape(array.shape), "give labels.h5 of Ski-PosePTZ as published");
     }
-    RequireFinite(array.values, columns, 1, path_, "/" + name);
+    const auto require = may_be_missing ? RequireFiniteOrMissing : RequireFinite;
+    require(array.values, columns, 1, path_, "/" + name);
     return std::move(array.values);
   }
 
@@ -176,14 +178,18 @@ constexpr std::array<Frame, 4> kFrames = {
      {"the world's axes relative to the person, whose position is found from 2D", true, false}}};
 
 /// The translation (a, b, c) with which points project nearest to the pixels, by least squares: u (z + c) = x + a and v
-/// (z + c) = y + b for each joint.
+/// (z + c) = y + b for each joint that is known in both. NaN where these are too few.
 Eigen::Vector3d FindPlace(const Points3d& points, const Row& row) {
+  constexpr int kFewestJoints = 3;
   const auto joints = static_cast<Eigen::Index>(kSkiJoints);
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * joints, 3);
-  Eigen::VectorXd b(2 * joints);
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * joints, 3);  // rows of unknown joints stay 0
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(2 * joints);
   const Eigen::Matrix3d K_inverse = row.camera.K.inverse();
+  int known = 0;
   for (Eigen::Index j = 0; j < joints; ++j) {
     const auto at = static_cast<std::size_t>(2 * j);
+    if (!points.row(j).allFinite() || std::isnan(row.keypoints[at]) || std::isnan(row.keypoints[at + 1])) continue;
+    ++known;
     const Eigen::Vector3d ray = K_inverse * Eigen::Vector3d(row.keypoints[at], row.keypoints[at + 1], 1.0);
     for (Eigen::Index axis = 0; axis < 2; ++axis) {
       A(2 * j + axis, axis) = 1.0;
@@ -191,6 +197,7 @@ Eigen::Vector3d FindPlace(const Points3d& points, const Row& row) {
       b[2 * j + axis] = ray[axis] * points(j, 2) - points(j, axis);
     }
   }
+  if (known < kFewestJoints) return Eigen::Vector3d::Constant(std::nan(""));
   return A.colPivHouseholderQr().solve(b);
 }
 
@@ -205,10 +212,12 @@ Points3d InCamera(const Row& row, const Frame& frame) {
   return points;
 }
 
+/// NaN where no joint is known in both.
 double ErrorPx(const Row& row, const Points3d& points) {
   std::vector<double> distances;
   for (Eigen::Index j = 0; j < points.rows(); ++j) {
     const auto at = static_cast<std::size_t>(2 * j);
+    if (!points.row(j).allFinite() || std::isnan(row.keypoints[at]) || std::isnan(row.keypoints[at + 1])) continue;
     const Eigen::Vector3d pixel = row.camera.K * points.row(j).transpose();
     const bool is_before = points(j, 2) > 0.0;
     distances.push_back(
@@ -226,7 +235,8 @@ const Frame& DetectFrame(const LabelsFile& file) {
     std::vector<double> errors;
     for (std::size_t i = 0; i < file.size(); i += stride) {
       const Row row = file.At(i);
-      errors.push_back(ErrorPx(row, InCamera(row, kFrames[f])));
+      const double error_px = ErrorPx(row, InCamera(row, kFrames[f]));
+      if (!std::isnan(error_px)) errors.push_back(error_px);
     }
     errors_px[f] = Median(std::move(errors));
   }
@@ -262,7 +272,8 @@ double DisagreementInWorld(const LabelsFile& file) {
     const auto [other, is_first] = first.emplace(std::tuple(subject, sequence, row.frame), in_world);
     if (is_first) continue;
     for (Eigen::Index j = 1; j < in_world.rows(); ++j) {
-      distances.push_back((in_world.row(j) - other->second.row(j)).norm());
+      const double distance = (in_world.row(j) - other->second.row(j)).norm();
+      if (!std::isnan(distance)) distances.push_back(distance);
     }
   }
   return distances.empty() ? std::nan("") : Median(std::move(distances));
@@ -326,10 +337,12 @@ CameraView MakeView(int cam, const std::map<int, Row>& rows, const std::vector<i
     const bool is_seen = nearest->first == number;
     const Points3d points =
         is_seen ? InCamera(nearest->second, frame) : Points3d::Constant(kSkiJoints, 3, std::nan(""));
-    for (std::size_t i = 0; i < 2 * kSkiJoints; ++i) {
-      view.keypoints.push_back(is_seen ? static_cast<float>(nearest->second.keypoints[i]) : kUnknown);
-    }
-    view.confidence.insert(view.confidence.end(), kSkiJoints, is_seen ? 1.0F : 0.0F);
+    std::vector<double> keypoints(2 * kSkiJoints, kUnknown);
+    if (is_seen) keypoints = nearest->second.keypoints;
+    std::vector<float> confidence(kSkiJoints, 1.0F);
+    MarkMissing(keypoints, confidence);
+    for (const double coordinate : keypoints) view.keypoints.push_back(static_cast<float>(coordinate));
+    view.confidence.insert(view.confidence.end(), confidence.begin(), confidence.end());
     for (Eigen::Index i = 0; i < points.size(); ++i) truth.push_back(static_cast<float>(mm * points.data()[i]));
   }
   view.truth = TruthPoses(BenchmarkLayout("h36m-17"), std::move(truth), view.name);

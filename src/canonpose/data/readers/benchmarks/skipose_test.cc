@@ -131,6 +131,26 @@ TEST(SkiPoseTest, LegsWithTheOtherSidesNameAreRenamed) {
              "S3 seq_007|cam_00|keypoints");
 }
 
+TEST(SkiPoseTest, NaNIsAMissingJoint) {
+  const TemporaryFolder folder;
+  const Dataset original = Import(Options("skipose", {"skipose/test"})).dataset;
+  SkiRows rows;
+  rows["3D"][3 * 5 + 1] = NAN;  // row 0, joint 5
+  rows["2D"][2 * 7] = NAN;      // row 0, joint 7
+  const auto name = fmt::format("cam_{:02.0f}", rows["cam"][0]);
+  const auto frame = static_cast<int>((rows["frame"][0] - 5) / 3);
+  const auto [dataset, log] = Import(Options("skipose", {rows.Write(folder / "labels.h5")}));
+  EXPECT_THAT(log, HasSubstr("0.00 px of 2D"));
+  const CameraView& view = Find(dataset.sequences[0], name);
+  const CameraView& before = Find(original.sequences[0], name);
+  for (int joint = 0; joint < 17; ++joint) {
+    EXPECT_EQ(view.truth.IsKnown(frame, joint), joint != 5) << joint;
+    EXPECT_EQ(view.confidence[static_cast<std::size_t>(17 * frame + joint)], joint == 7 ? 0.0F : 1.0F) << joint;
+    if (joint == 5) continue;
+    EXPECT_LT((view.truth.PoseAt(frame).row(joint) - before.truth.PoseAt(frame).row(joint)).norm(), 10.0F) << joint;
+  }
+}
+
 TEST(SkiPoseTest, InvalidFilesAreRefused) {
   const TemporaryFolder folder;
   const auto refusal = [&](auto change) {
@@ -142,8 +162,9 @@ TEST(SkiPoseTest, InvalidFilesAreRefused) {
               HasSubstr("/cam_position: expected an array, found nothing"));
   EXPECT_THAT(refusal([](SkiRows& r) { r["2D"][70] = 130.0; }),
               HasSubstr("/2D: expected fractions of the image, 0 to 1, found 130"));
-  EXPECT_THAT(refusal([](SkiRows& r) { r["3D"][60] = NAN; }),
-              HasSubstr("/3D, row 1, joint 9: expected a coordinate, found nan"));
+  EXPECT_THAT(refusal([](SkiRows& r) { r["3D"][60] = INFINITY; }),
+              HasSubstr("/3D, row 1, joint 9: expected a coordinate, found inf"));
+  EXPECT_THAT(refusal([](SkiRows& r) { r["cam_position"][3] = NAN; }), HasSubstr("/cam_position, row 1"));
   EXPECT_THAT(refusal([](SkiRows& r) { r["frame"][3] = 2.5; }),
               HasSubstr("/frame: expected whole numbers from 0 on, found 2.5"));
   EXPECT_THAT(refusal([](SkiRows& r) { r["R_cam_2_world"][9] = 3.0; }),

@@ -19,6 +19,7 @@
 #include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
+#include "canonpose/solve/invented.h"
 #include "canonpose/solve/serial_linear_algebra.h"
 #include "canonpose/solve/signs.h"
 #include "canonpose/solve/swaps.h"
@@ -67,6 +68,10 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options, Capt
     return corrected.static_cameras ? CalibrateStatic(corrected, calibration) : CalibrateMoving(corrected, calibration);
   };
   work.solution = calibrate(capture);
+  if (work.solution.calibration.IsUsable() &&
+      RemoveInvented(CalibrationFrames(capture, calibration), work.solution, capture) > 0) {
+    work.solution = calibrate(capture);
+  }
   if (work.solution.calibration.IsUsable()) {
     CalibrationOptions quick = calibration;
     quick.frames = kQuickFrames;

@@ -133,9 +133,14 @@ std::vector<int> FramesWithStart(const CaptureObservations& capture) {
   return frames;
 }
 
+std::vector<int> CalibrationFrames(const CaptureObservations& capture, const CalibrationOptions& options) {
+  return capture.static_cameras ? EvenlySpread(FramesWithStart(capture), options.frames)
+                                : EvenRuns(ConsecutiveFrames(0, capture.frame_count), kRuns, kRunFrames);
+}
+
 Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOptions& options) {
   const std::vector<int> usable = FramesWithStart(capture);
-  const std::vector<int> frames = EvenlySpread(usable, options.frames);
+  const std::vector<int> frames = CalibrationFrames(capture, options);
   const StaticRotations rotations = AverageStaticRotations(capture, EvenlySpread(usable, kRotationFrames));
   return DecideMirror(capture, frames, options, [&](bool mirrored) {
     std::vector<Eigen::Matrix3d> camera_from_world = rotations.camera_from_world;
@@ -151,7 +156,7 @@ Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOp
 
 Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOptions& options) {
   const std::vector<int> usable = FramesWithStart(capture);
-  const std::vector<int> frames = EvenRuns(ConsecutiveFrames(0, capture.frame_count), kRuns, kRunFrames);
+  const std::vector<int> frames = CalibrationFrames(capture, options);
   const auto rotations = SmoothedRotations(capture, kRotationSeconds);
   return DecideMirror(capture, frames, options, [&](bool mirrored) {
     auto camera_from_world = rotations;

@@ -28,6 +28,9 @@ Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOp
 /// estimate from the start's poses, but with the focal lengths found in the runs.
 Solution CalibrateMoving(const CaptureObservations& capture, const CalibrationOptions& options);
 
+/// The frames that a calibration adjusts.
+std::vector<int> CalibrationFrames(const CaptureObservations& capture, const CalibrationOptions& options);
+
 /// The frames in which at least two views have a start pose.
 std::vector<int> FramesWithStart(const CaptureObservations& capture);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "canonpose/base/median.h"
@@ -14,6 +15,12 @@ namespace {
 /// Weight of the start pose relative to a view of full confidence. Chosen by hand.
 constexpr double kPoseWeight = 0.05;
 constexpr int kShapeRounds = 3;
+/// How far a joint is from where the start's poses place it, in units of its bone's length.
+constexpr double kStartScatter = 0.3;
+/// The start counts in directions in which the views leave a joint more open than this, in units of that and of the
+/// scatter of a typical keypoint: at this scatter, two views are about 30 degrees from opposite.
+constexpr double kOpenScatter = 0.5;
+constexpr double kOpenScatters = 4.0;
 
 double SumOfBones(const Skeleton& skeleton, const Points3d& joints) {
   double sum = 0.0;
@@ -136,35 +143,84 @@ std::vector<Eigen::Vector3d> ChainTranslations(const CaptureObservations& captur
   return root;
 }
 
-/// Places joints that only one view sees relative to their parents, in the direction that the start gives. Parents
-/// need not precede their children in the skeleton, hence the rounds.
-void FillFromStart(const CaptureObservations& capture, int frame, bool mirrored, RigEstimate& estimate) {
-  const std::vector<double>& lengths =
-      estimate.log_bone_lengths[static_cast<std::size_t>(capture.ClipOf(frame).subject)];
-  std::vector<int> views;
-  std::vector<Eigen::Matrix3d> rotations(static_cast<std::size_t>(capture.view_count()));
-  for (int v = 0; v < capture.view_count(); ++v) {
-    if (!estimate.CameraAt(frame, v).valid || !capture.HasStart(frame, v)) continue;
-    views.push_back(v);
-    rotations[static_cast<std::size_t>(v)] = estimate.CameraAt(frame, v).Rotation();
-  }
-  if (views.empty()) return;
-  const Points3d mean = MeanStart(capture, frame, rotations, views, mirrored);
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (int j = 0; j < capture.joint_count(); ++j) {
-      const int parent = capture.skeleton.parents[static_cast<std::size_t>(j)];
-      if (parent < 0 || estimate.Joint(frame, j).allFinite() || !estimate.Joint(frame, parent).allFinite()) continue;
-      bool is_seen = false;
-      for (int v = 0; v < capture.view_count(); ++v) {
-        is_seen = is_seen || (estimate.CameraAt(frame, v).valid && capture.Sees(frame, v, j));
-      }
-      const double length = std::exp(lengths[static_cast<std::size_t>(j)]);
-      if (!is_seen || !std::isfinite(length) || mean.row(j).isZero()) continue;
-      const Eigen::Vector3d direction = (mean.row(j) - mean.row(parent)).transpose();
-      estimate.Joint(frame, j) = estimate.Joint(frame, parent) + length * direction.normalized();
-      changed = true;
+/// The joints of a skeleton, each after its parent.
+std::vector<int> FromTheRoot(const Skeleton& skeleton) {
+  std::vector<int> order = {skeleton.root};
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    for (int j = 0; j < skeleton.joint_count(); ++j) {
+      if (skeleton.parents[static_cast<std::size_t>(j)] == order[i]) order.push_back(j);
     }
+  }
+  return order;
+}
+
+/// Where a joint is if its bone has its length and the direction that the start's poses give; NaN where unknown.
+class StartDirections {
+ public:
+  StartDirections(const CaptureObservations& capture, int frame, bool mirrored, const RigEstimate& estimate)
+      : capture_(capture),
+        frame_(frame),
+        estimate_(estimate),
+        lengths_(estimate.log_bone_lengths[static_cast<std::size_t>(capture.ClipOf(frame).subject)]) {
+    std::vector<int> views;
+    std::vector<Eigen::Matrix3d> rotations(static_cast<std::size_t>(capture.view_count()));
+    for (int v = 0; v < capture.view_count(); ++v) {
+      if (!estimate.CameraAt(frame, v).valid || !capture.HasStart(frame, v)) continue;
+      views.push_back(v);
+      rotations[static_cast<std::size_t>(v)] = estimate.CameraAt(frame, v).Rotation();
+    }
+    if (!views.empty()) mean_ = MeanStart(capture, frame, rotations, views, mirrored);
+  }
+
+  [[nodiscard]] double Length(int joint) const { return std::exp(lengths_[static_cast<std::size_t>(joint)]); }
+  [[nodiscard]] Eigen::Vector3d Place(int joint) const {
+    const int parent = capture_.skeleton.parents[static_cast<std::size_t>(joint)];
+    if (parent < 0 || mean_.size() == 0 || mean_.row(joint).isZero()) return Unknown();
+    const Eigen::Vector3d direction = (mean_.row(joint) - mean_.row(parent)).transpose();
+    return estimate_.Joint(frame_, parent) + Length(joint) * direction.normalized();
+  }
+
+ private:
+  static Eigen::Vector3d Unknown() { return Eigen::Vector3d::Constant(std::nan("")); }
+
+  const CaptureObservations& capture_;
+  int frame_;
+  const RigEstimate& estimate_;
+  const std::vector<double>& lengths_;
+  Points3d mean_;  ///< (J, 3) in the world; empty where no view has a start
+};
+
+/// Keeps joints near where the start's poses place them in directions in which the views leave them open, as two views
+/// from opposite sides do. `points` (J) are the joints as the views show them, `typical` the scatter of a keypoint.
+void SteadyByStart(const StartDirections& start, std::span<const RobustPoint> points, const Skeleton& skeleton,
+                   double typical, int frame, RigEstimate& estimate) {
+  for (const int j : FromTheRoot(skeleton)) {
+    const RobustPoint& found = points[static_cast<std::size_t>(j)];
+    const Eigen::Vector3d expected = start.Place(j);
+    if (!found.point.allFinite() || !expected.allFinite()) continue;
+    const double scatter = kStartScatter * start.Length(j);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(found.information);
+    Eigen::Vector3d point = found.point;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d direction = axes.eigenvectors().col(axis);
+      const double variance = 1.0 / std::max(axes.eigenvalues()[axis], 1e-12);
+      if (std::sqrt(variance) < std::max(kOpenScatter * scatter, kOpenScatters * typical)) continue;
+      const double share = variance / (variance + scatter * scatter);
+      point += share * direction.dot(expected - found.point) * direction;
+    }
+    estimate.Joint(frame, j) = point;
+  }
+}
+
+/// Places joints that only one view sees where the start's poses place them.
+void FillFromStart(const CaptureObservations& capture, const StartDirections& start, int frame, RigEstimate& estimate) {
+  for (const int j : FromTheRoot(capture.skeleton)) {
+    if (estimate.Joint(frame, j).allFinite()) continue;
+    bool is_seen = false;
+    for (int v = 0; v < capture.view_count(); ++v) {
+      is_seen = is_seen || (estimate.CameraAt(frame, v).valid && capture.Sees(frame, v, j));
+    }
+    if (is_seen) estimate.Joint(frame, j) = start.Place(j);
   }
 }
 
@@ -263,10 +319,14 @@ RobustPoint TriangulateJoint(const CaptureObservations& capture, int frame, int 
 
 void TriangulateFrame(const CaptureObservations& capture, int frame, const AdjustmentScales& scales, bool mirrored,
                       RigEstimate& estimate) {
+  std::vector<RobustPoint> points;
   for (int j = 0; j < capture.joint_count(); ++j) {
-    estimate.Joint(frame, j) = TriangulateJoint(capture, frame, j, scales, estimate).point;
+    points.push_back(TriangulateJoint(capture, frame, j, scales, estimate));
+    estimate.Joint(frame, j) = points.back().point;
   }
-  FillFromStart(capture, frame, mirrored, estimate);
+  const StartDirections start(capture, frame, mirrored, estimate);
+  SteadyByStart(start, points, capture.skeleton, scales.observation.Typical(), frame, estimate);
+  FillFromStart(capture, start, frame, estimate);
 }
 
 void MeasureBones(const CaptureObservations& capture, std::span<const int> frames, RigEstimate& estimate) {

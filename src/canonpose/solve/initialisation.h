@@ -48,8 +48,9 @@ RobustPoint TriangulateJoint(const CaptureObservations& capture, int frame, int 
                              const RigEstimate& estimate, int left_out_view = -1);
 
 /// Sets the joints of a frame by TriangulateJoint(), given the cameras of a static rig. A joint that only one view sees
-/// is placed at its bone's length from its parent, in the direction that the start's poses give; one that no view sees
-/// becomes NaN. `mirrored` as above.
+/// is placed at its bone's length from its parent, in the direction that the start's poses give; one that two views see
+/// from opposite sides is drawn to there in the direction in which they look; one that no view sees becomes NaN.
+/// `mirrored` as above.
 void TriangulateFrame(const CaptureObservations& capture, int frame, const AdjustmentScales& scales, bool mirrored,
                       RigEstimate& estimate);
 

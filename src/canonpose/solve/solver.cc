@@ -20,6 +20,7 @@
 #include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/image_size.h"
 #include "canonpose/solve/initialisation.h"
+#include "canonpose/solve/invented.h"
 #include "canonpose/solve/serial_linear_algebra.h"
 #include "canonpose/solve/swaps.h"
 #include "canonpose/solve/view_signs.h"
@@ -55,6 +56,24 @@ bool SeemsToMove(const CaptureObservations& capture, double error, const Calibra
 
 bool HasFailed(const CaptureWork& work) { return !work.report.failure.empty(); }
 
+/// Looks for views that do not fit the others and corrects them, or sets the failure in the report.
+void CheckViews(CaptureObservations& capture, const CalibrationOptions& options, const Calibrate& calibrate,
+                const Calibrate& calibrate_quickly, CaptureWork& work) {
+  const CaptureObservations recorded = capture;
+  const double error = MedianError(capture, work.solution);
+  work.check = CheckCameras(capture, calibrate, calibrate_quickly, work.solution);
+  work.report.findings = MakeFindings(capture, *work.check);
+  const bool is_doubtful =
+      std::ranges::any_of(work.check->dropped, std::identity()) ||
+      (work.solution.calibration_summary.IsUsable() && AnyAlarm(MeasureSigns(capture, work.solution)));
+  // Two moving cameras explain nearly anything.
+  if (!capture.static_cameras || capture.view_count() <= 2 || !is_doubtful) return;
+  if (SeemsToMove(recorded, error, options)) {
+    work.report.failure =
+        "the cameras seem to move, but the recording says that they stand still; import it with `moving`";
+  }
+}
+
 /// Finds the cameras of a capture, or sets the failure in the report. Corrects `capture`: views that are out of step
 /// are shifted, those that show somebody else removed. `tell` hears what is being done.
 void FindCameras(CaptureObservations& capture, const SolveOptions& options,
@@ -64,41 +83,30 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options,
   work.report.frames = capture.frame_count;
   work.report.failure = MissingInput(capture);
   if (HasFailed(work)) return;
+  const auto calibrate_with = [](const CaptureObservations& some, const CalibrationOptions& how) {
+    return some.static_cameras ? CalibrateStatic(some, how) : CalibrateMoving(some, how);
+  };
   const CalibrationOptions calibration{options.mirror, options.calibration_frames, ThreadsToUse(options.threads)};
-  const Calibrate calibrate = [&](const CaptureObservations& corrected) {
-    return corrected.static_cameras ? CalibrateStatic(corrected, calibration) : CalibrateMoving(corrected, calibration);
+  const Calibrate calibrate = [&](const CaptureObservations& some) { return calibrate_with(some, calibration); };
+  CalibrationOptions quick = calibration;
+  quick.frames = kQuickFrames;
+  quick.max_iterations = kQuickIterations;
+  int trials = 0;
+  const Calibrate calibrate_quickly = [&](const CaptureObservations& some) {
+    tell(fmt::format("cameras do not fit, trial {}", ++trials));
+    ThrowIfStopRequested();
+    return calibrate_with(some, quick);
   };
   work.solution = calibrate(capture);
-  if (work.solution.calibration_summary.IsUsable()) {
-    CalibrationOptions quick = calibration;
-    quick.frames = kQuickFrames;
-    quick.max_iterations = kQuickIterations;
-    int trials = 0;
-    const Calibrate calibrate_quickly = [&](const CaptureObservations& some) {
-      tell(fmt::format("cameras do not fit, trial {}", ++trials));
-      ThrowIfStopRequested();
-      return some.static_cameras ? CalibrateStatic(some, quick) : CalibrateMoving(some, quick);
-    };
-    CorrectImageSizes(capture, calibrate, calibrate_quickly, work.solution);
-    const CaptureObservations recorded = capture;
-    const double error = MedianError(capture, work.solution);
-    work.check = CheckCameras(capture, calibrate, calibrate_quickly, work.solution);
-    work.report.findings = MakeFindings(capture, *work.check);
-    const bool is_doubtful =
-        std::ranges::any_of(work.check->dropped, std::identity()) ||
-        (work.solution.calibration_summary.IsUsable() && AnyAlarm(MeasureSigns(capture, work.solution)));
-    // Two moving cameras explain nearly anything.
-    if (capture.static_cameras && capture.view_count() > 2 && is_doubtful &&
-        SeemsToMove(recorded, error, calibration)) {
-      work.report.failure =
-          "the cameras seem to move, but the recording says that they stand still; import it with `moving`";
-      return;
-    }
+  const AdjustmentSummary& summary = work.solution.calibration_summary;
+  if (summary.IsUsable()) CorrectImageSizes(capture, calibrate, calibrate_quickly, work.solution);
+  if (summary.IsUsable() && RemoveInvented(CalibrationFrames(capture, calibration), work.solution, capture) > 0) {
+    work.solution = calibrate(capture);
   }
-  work.report.calibration = work.solution.calibration_summary;
-  if (!work.solution.calibration_summary.IsUsable()) {
-    work.report.failure = fmt::format("the cameras could not be found: {}", work.solution.calibration_summary.reason);
-  }
+  if (summary.IsUsable()) CheckViews(capture, calibration, calibrate, calibrate_quickly, work);
+  if (HasFailed(work)) return;
+  work.report.calibration = summary;
+  if (!summary.IsUsable()) work.report.failure = fmt::format("the cameras could not be found: {}", summary.reason);
 }
 
 /// Captures of moving cameras are single clips, so a subject's bone lengths are better known from all of its clips

@@ -22,6 +22,11 @@ struct EnumName {
   const char* name;
   const char* meaning = "";  ///< for help texts; may be empty where the name says it all
 };
+// Clang before 17 does not deduce these for an aggregate.
+template <typename Enum>
+EnumName(Enum, const char*) -> EnumName<Enum>;
+template <typename Enum>
+EnumName(Enum, const char*, const char*) -> EnumName<Enum>;
 
 /// The table of an enum, in the order in which values are listed. Specialise it beside the enum.
 template <typename Enum>

@@ -1,7 +1,7 @@
 // An Acclaim motion of a skeleton that is as it should be.
-#include "canonpose/motion/readers/acclaim.h"
-
 #include "fuzzing.h"
+
+#include "canonpose/motion/readers/acclaim.h"
 
 CANONPOSE_FUZZ_TARGET(bytes) {
   static const bool copied = [] {

@@ -4,8 +4,9 @@
 #include <string>
 #include <string_view>
 
-#include "canonpose/data/readers/benchmarks/benchmark.h"
 #include "fuzzing.h"
+
+#include "canonpose/data/readers/benchmarks/benchmark.h"
 
 namespace canonpose::fuzz {
 

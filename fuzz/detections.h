@@ -5,10 +5,11 @@
 #include <span>
 #include <string_view>
 
+#include "fuzzing.h"
+
 #include "canonpose/data/layout_check.h"
 #include "canonpose/data/person_tracking.h"
 #include "canonpose/data/readers/formats.h"
-#include "fuzzing.h"
 
 namespace canonpose::fuzz {
 

@@ -90,9 +90,9 @@ int Try(Reader&& read) {
 }  // namespace canonpose::fuzz
 
 /// Defines the target: `body` reads `bytes`, a std::string_view.
-#define CANONPOSE_FUZZ_TARGET(bytes)                                                              \
-  static void ReadBytes(std::string_view bytes);                                                  \
-  extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {              \
-    return canonpose::fuzz::Try([&] { ReadBytes(canonpose::fuzz::Text(data, size)); });            \
-  }                                                                                               \
+#define CANONPOSE_FUZZ_TARGET(bytes)                                                    \
+  static void ReadBytes(std::string_view bytes);                                        \
+  extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {   \
+    return canonpose::fuzz::Try([&] { ReadBytes(canonpose::fuzz::Text(data, size)); }); \
+  }                                                                                     \
   static void ReadBytes(std::string_view bytes)

@@ -1,7 +1,7 @@
 // MATLAB's version 5: a cell array.
-#include "canonpose/data/codecs/mat_file.h"
-
 #include "fuzzing.h"
+
+#include "canonpose/data/codecs/mat_file.h"
 
 CANONPOSE_FUZZ_TARGET(bytes) {
   const canonpose::MatFile file(canonpose::fuzz::Write("annot.mat", bytes));

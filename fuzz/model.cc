@@ -1,7 +1,7 @@
 // A model, HDF5.
-#include "canonpose/model/model_file.h"
-
 #include "fuzzing.h"
+
+#include "canonpose/model/model_file.h"
 
 CANONPOSE_FUZZ_TARGET(bytes) {
   const std::filesystem::path path = canonpose::fuzz::Write("model.cpm", bytes);

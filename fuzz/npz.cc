@@ -1,9 +1,10 @@
 // An archive of NumPy arrays: all of its arrays, and poses to evaluate.
 #include "canonpose/data/codecs/npz.h"
 
+#include "fuzzing.h"
+
 #include "canonpose/data/codecs/pickle.h"
 #include "canonpose/evaluate/archives.h"
-#include "fuzzing.h"
 
 CANONPOSE_FUZZ_TARGET(bytes) {
   using canonpose::fuzz::Try;

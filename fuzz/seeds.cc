@@ -1,4 +1,5 @@
-// fuzz_seeds FOLDER: writes small datasets, scenes, models, checkpoints and NumPy arrays to folders of the targets' names.
+// fuzz_seeds FOLDER: writes small datasets, scenes, models, checkpoints and NumPy arrays to folders of the targets'
+// names.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>

@@ -30,8 +30,8 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// The child's answer; nothing where it has ended, for this question or an earlier one. Throws the Error that `answer`
-  /// throws.
+  /// The child's answer; nothing where it has ended, for this question or an earlier one. Throws the Error that
+  /// `answer` throws.
   std::optional<std::string> Ask(std::string_view question);
   /// Why the child has ended: "crashes", "does not come to an end", "takes too much memory".
   [[nodiscard]] const std::string& why_ended() const { return why_ended_; }

@@ -200,8 +200,8 @@ Group Group::Open(const std::string& name) const {
     id = Id(H5Gopen2(state_->id, name.c_str(), H5P_DEFAULT), H5Gclose);
     if (!id.valid()) Fail(name, "a group", Has(name) ? "something else" : "nothing", "");
   }
-  group.state_ = std::make_shared<State>(
-      State{state_->file, state_->final_path, state_->file_id, std::move(id), state_->child});
+  group.state_ =
+      std::make_shared<State>(State{state_->file, state_->final_path, state_->file_id, std::move(id), state_->child});
   group.path_ = (path_ == "/" ? "" : path_) + "/" + name;
   return group;
 }

@@ -19,6 +19,9 @@ if(CANONPOSE_SANITIZE)
                                                      -fno-omit-frame-pointer)
   target_link_options(canonpose_options INTERFACE -fsanitize=address,undefined)
 endif()
+if(CANONPOSE_FUZZ)
+  target_compile_options(canonpose_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
 
 # LibTorch's headers, compiled once for all that include them.
 if(CANONPOSE_WITH_TORCH)

@@ -17,6 +17,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
+#include "canonpose/base/hdf5_questions.h"
 
 namespace canonpose::h5 {
 namespace {
@@ -27,12 +28,18 @@ namespace fs = std::filesystem;
 class Id {
  public:
   using Closer = herr_t (*)(hid_t);
+  Id() = default;
   Id(hid_t id, Closer closer) : id_(id), closer_(closer) {}
   ~Id() { Close(); }
   Id(const Id&) = delete;
   Id& operator=(const Id&) = delete;
   Id(Id&& other) noexcept : id_(std::exchange(other.id_, -1)), closer_(other.closer_) {}
-  Id& operator=(Id&&) = delete;
+  Id& operator=(Id&& other) noexcept {
+    Close();
+    id_ = std::exchange(other.id_, -1);
+    closer_ = other.closer_;
+    return *this;
+  }
   operator hid_t() const { return id_; }  // NOLINT: the library's functions take it everywhere
   [[nodiscard]] bool valid() const { return id_ >= 0; }
   /// Gives up the identifier; the caller must close it.
@@ -43,8 +50,8 @@ class Id {
   }
 
  private:
-  hid_t id_;
-  Closer closer_;
+  hid_t id_ = -1;
+  Closer closer_ = nullptr;
 };
 
 /// HDF5 prints a stack trace on every error, where we report one line. And where a file could not be written, such as
@@ -64,6 +71,13 @@ hid_t MemoryType() {
   if constexpr (std::is_same_v<T, std::int64_t>) return H5T_NATIVE_INT64;
   if constexpr (std::is_same_v<T, std::uint8_t>) return H5T_NATIVE_UINT8;
 }
+
+template <typename T>
+constexpr Question kQuestionFor = Question::kIntegers;
+template <>
+constexpr Question kQuestionFor<float> = Question::kFloats;
+template <>
+constexpr Question kQuestionFor<double> = Question::kDoubles;
 
 std::vector<std::size_t> ShapeOf(hid_t space) {
   const int rank = H5Sget_simple_extent_ndims(space);
@@ -141,6 +155,8 @@ struct Group::State {
   fs::path final_path;
   std::shared_ptr<Id> file_id;
   Id id;
+  /// Reads the file, if it is one that another process reads; the two above then have no value.
+  std::shared_ptr<FileInChild> child = nullptr;
 };
 
 const std::string& Group::file() const { return state_->file; }
@@ -150,11 +166,18 @@ void Group::Fail(const std::string& name, const std::string& expected, const std
   ThrowBadInput({state_->file, (path_ == "/" ? "" : path_) + "/" + name, expected, found, advice});
 }
 
-bool Group::Has(const std::string& name) const { return H5Lexists(state_->id, name.c_str(), H5P_DEFAULT) > 0; }
+bool Group::Has(const std::string& name) const {
+  if (state_->child) return state_->child->Ask<bool>(Question::kHas, path_, name);
+  return H5Lexists(state_->id, name.c_str(), H5P_DEFAULT) > 0;
+}
 
-bool Group::HasAttribute(const std::string& name) const { return H5Aexists(state_->id, name.c_str()) > 0; }
+bool Group::HasAttribute(const std::string& name) const {
+  if (state_->child) return state_->child->Ask<bool>(Question::kHasAttribute, path_, name);
+  return H5Aexists(state_->id, name.c_str()) > 0;
+}
 
 std::vector<std::string> Group::Children() const {
+  if (state_->child) return state_->child->Ask<std::vector<std::string>>(Question::kChildren, path_, "");
   std::vector<std::string> names;
   H5G_info_t info;
   if (H5Gget_info(state_->id, &info) < 0) Fail("", "a group that can be listed", "a damaged group", "");
@@ -169,15 +192,22 @@ std::vector<std::string> Group::Children() const {
 }
 
 Group Group::Open(const std::string& name) const {
-  Id id(H5Gopen2(state_->id, name.c_str(), H5P_DEFAULT), H5Gclose);
-  if (!id.valid()) Fail(name, "a group", Has(name) ? "something else" : "nothing", "");
   Group group;
-  group.state_ = std::make_shared<State>(State{state_->file, state_->final_path, state_->file_id, std::move(id)});
+  Id id;
+  if (state_->child) {
+    state_->child->Ask<bool>(Question::kOpen, path_, name);
+  } else {
+    id = Id(H5Gopen2(state_->id, name.c_str(), H5P_DEFAULT), H5Gclose);
+    if (!id.valid()) Fail(name, "a group", Has(name) ? "something else" : "nothing", "");
+  }
+  group.state_ =
+      std::make_shared<State>(State{state_->file, state_->final_path, state_->file_id, std::move(id), state_->child});
   group.path_ = (path_ == "/" ? "" : path_) + "/" + name;
   return group;
 }
 
 std::vector<std::string> Group::GetStrings(const std::string& name) const {
+  if (state_->child) return state_->child->Ask<std::vector<std::string>>(Question::kStrings, path_, name);
   const std::string place = "attribute " + name;
   Id attribute(H5Aopen(state_->id, name.c_str(), H5P_DEFAULT), H5Aclose);
   if (!attribute.valid()) Fail(place, "text", "nothing", "");
@@ -232,6 +262,7 @@ constexpr double kLargestExactDouble = 9007199254740992.0;
 }  // namespace
 
 std::vector<std::int64_t> Group::GetInts(const std::string& name) const {
+  if (state_->child) return state_->child->Ask<std::vector<std::int64_t>>(Question::kInts, path_, name);
   const std::string place = "attribute " + name;
   Id attribute(H5Aopen(state_->id, name.c_str(), H5P_DEFAULT), H5Aclose);
   if (!attribute.valid()) Fail(place, "whole numbers", "nothing", "");
@@ -271,6 +302,7 @@ std::int64_t Group::GetInt(const std::string& name) const {
 }
 
 double Group::GetDouble(const std::string& name) const {
+  if (state_->child) return state_->child->Ask<double>(Question::kDouble, path_, name);
   Id attribute(H5Aopen(state_->id, name.c_str(), H5P_DEFAULT), H5Aclose);
   if (!attribute.valid()) Fail("attribute " + name, "a number", "nothing", "");
   const auto values = ReadNumbers<double>(attribute, H5T_NATIVE_DOUBLE);
@@ -278,15 +310,40 @@ double Group::GetDouble(const std::string& name) const {
   return values->front();
 }
 
+namespace {
+/// Throws where an array claims more than its file can hold, which nobody could allocate, or is kept in another file.
+void RequireInFile(const Group& group, const std::string& name, hid_t dataset, const std::vector<std::size_t>& shape) {
+  constexpr std::size_t kBestCompression = 1100;  // deflate reaches 1032
+  const Id file(H5Iget_file_id(dataset), H5Fclose);
+  hsize_t file_bytes = 0;
+  H5Fget_filesize(file, &file_bytes);
+  const Id properties(H5Dget_create_plist(dataset), H5Pclose);
+  if (H5Pget_external_count(properties) > 0) group.Fail(name, "an array in this file", "one in another file", "");
+  const Id type(H5Dget_type(dataset), H5Tclose);
+  std::size_t room = kBestCompression * file_bytes / std::max<std::size_t>(1, H5Tget_size(type));
+  const auto take = [&](std::size_t size) {
+    if (size > room) {
+      group.Fail(name, "an array that the file can hold", FormatShape(shape), "the file is damaged: make it again");
+    }
+    if (size > 0) room /= size;
+  };
+  for (const std::size_t size : shape) take(size);
+}
+}  // namespace
+
 std::vector<std::size_t> Group::Shape(const std::string& name) const {
+  if (state_->child) return state_->child->Ask<std::vector<std::size_t>>(Question::kShape, path_, name);
   Id dataset(H5Dopen2(state_->id, name.c_str(), H5P_DEFAULT), H5Dclose);
   if (!dataset.valid()) Fail(name, "an array", Has(name) ? "something else" : "nothing", "");
   Id space(H5Dget_space(dataset), H5Sclose);
-  return ShapeOf(space);
+  std::vector<std::size_t> shape = ShapeOf(space);
+  RequireInFile(*this, name, dataset, shape);
+  return shape;
 }
 
 template <typename T>
 Array<T> Group::Read(const std::string& name) const {
+  if (state_->child) return state_->child->Ask<Array<T>>(kQuestionFor<T>, path_, name);
   Array<T> array;
   array.shape = Shape(name);
   Id dataset(H5Dopen2(state_->id, name.c_str(), H5P_DEFAULT), H5Dclose);
@@ -427,6 +484,15 @@ File File::OpenForReading(const fs::path& path) {
   if (!fs::exists(path, error)) {
     ThrowBadInput({path.string(), "", "a file", error ? error.message() : "nothing", "check the path"});
   }
+  File file;
+  file.root_.state_ = std::make_shared<Group::State>(Group::State{path.string(), path, nullptr, Id()});
+  file.root_.state_->child = std::make_shared<FileInChild>(path, [path] { return OpenHere(path); });
+  file.root_.path_ = "/";
+  return file;
+}
+
+File File::OpenHere(const fs::path& path) {
+  std::error_code error;
   Id id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!id.valid()) {
     const bool is_damaged = IsHdf5(path);

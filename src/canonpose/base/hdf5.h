@@ -2,6 +2,10 @@
 //
 // When something is missing, has the wrong type or shape, or cannot be read or written, every function throws an
 // Error(kBadInput) that names the file and the place in it.
+//
+// The library crashes on some damaged files and runs for ever on others, so a file that was opened for reading is read
+// in a child process (child_process.h), which ends with the last Group: then only the child is lost, and the file is
+// said to be damaged. Values come from the child by a socket.
 #pragma once
 
 #include <cstdint>
@@ -48,7 +52,7 @@ class Group {
   /// Arrays; T is float, double or std::int64_t, converted from what is stored.
   template <typename T>
   [[nodiscard]] Array<T> Read(const std::string& name) const;
-  /// The shape alone, without reading.
+  /// The shape alone, without reading. It is one that the file can hold: a damaged size is an error.
   [[nodiscard]] std::vector<std::size_t> Shape(const std::string& name) const;
 
   [[nodiscard]] Group Create(const std::string& name);
@@ -87,11 +91,14 @@ class File {
   File& operator=(File&&) = delete;
 
   [[nodiscard]] Group& root() { return root_; }
+  [[nodiscard]] const Group& root() const { return root_; }
   /// Finishes a file made by CreateAt(). No Group of it may be used afterwards.
   void Commit();
 
  private:
   File();
+  /// Opens a file in this process.
+  static File OpenHere(const std::filesystem::path& path);
   /// Takes ownership of an open file, given by HDF5's handle.
   static File OfHandle(std::int64_t handle, const std::string& name);
   Group root_;

@@ -17,6 +17,7 @@ namespace {
 
 using canonpose::testing::ErrorOf;
 using canonpose::testing::TemporaryFolder;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -174,6 +175,66 @@ TEST(Hdf5, DamagedArrayIsNoticed) {
   File file = File::OpenForReading(folder / "a.h5");
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)file.root().Open("group").Read<float>("values"); }),
               HasSubstr("damaged"));
+}
+
+/// The file's text of 8 MB claims to be of one byte; the library writes all 8 MB to the memory that it takes for it.
+TEST(Hdf5, AFileThatCrashesTheLibraryIsDamaged) {
+  const TemporaryFolder folder;
+  {
+    File file = File::CreateAt(folder / "a.h5");
+    file.root().SetString("text", std::string(0x7A1200, 'x'));
+    file.root().SetInt("number", 7);
+    file.Commit();
+  }
+  std::string bytes = ReadFile(folder / "a.h5");
+  constexpr std::size_t kLengthBytes = 4;
+  int changed = 0;
+  for (std::size_t at = 0; (at = bytes.find(std::string("\x00\x12\x7A\x00", kLengthBytes), at)) != std::string::npos;
+       at += kLengthBytes) {
+    // In the heap the same length takes eight bytes.
+    if (bytes.substr(at + kLengthBytes, 4) == std::string(4, '\0')) continue;
+    bytes.replace(at, kLengthBytes, std::string("\x01\x00\x00\x00", kLengthBytes));
+    ++changed;
+  }
+  ASSERT_EQ(changed, 1);
+  WriteFileAtomically(folder / "a.h5", bytes);
+  File file = File::OpenForReading(folder / "a.h5");
+  EXPECT_EQ(file.root().GetInt("number"), 7);
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)file.root().GetString("text"); }),
+              AllOf(HasSubstr("a.h5: /text: expected a readable HDF5 file, found a damaged one (the library that reads "
+                              "it crashes)"),
+                    HasSubstr("copy or create it again")));
+  // The child is lost, which other files do not notice.
+  ErrorOf(ErrorKind::kBadInput, [&] { (void)file.root().GetInt("number"); });
+  WriteExample(folder / "b.h5");
+  EXPECT_EQ(File::OpenForReading(folder / "b.h5").root().GetInt("version"), 1);
+}
+
+TEST(Hdf5, ASizeThatTheFileCannotHoldIsDamaged) {
+  const TemporaryFolder folder;
+  const hid_t file = H5Fcreate((folder / "a.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hsize_t size[2] = {3'000'000'000, 3};
+  const hsize_t chunk[2] = {1000, 3};
+  const hid_t space = H5Screate_simple(2, size, nullptr);
+  const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_chunk(properties, 2, chunk);  // of which none is written
+  H5Dclose(H5Dcreate2(file, "values", H5T_NATIVE_FLOAT, space, H5P_DEFAULT, properties, H5P_DEFAULT));
+  H5Pclose(properties);
+  const hid_t outside = H5Pcreate(H5P_DATASET_CREATE);
+  const hsize_t three = 3;
+  const hid_t small = H5Screate_simple(1, &three, nullptr);
+  H5Pset_external(outside, "/etc/hostname", 0, 12);
+  H5Dclose(H5Dcreate2(file, "outside", H5T_NATIVE_FLOAT, small, H5P_DEFAULT, outside, H5P_DEFAULT));
+  H5Pclose(outside);
+  H5Sclose(small);
+  H5Sclose(space);
+  H5Fclose(file);
+  const File damaged = File::OpenForReading(folder / "a.h5");
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)damaged.root().Shape("values"); }),
+              HasSubstr("/values: expected an array that the file can hold, found (3000000000, 3)"));
+  ErrorOf(ErrorKind::kBadInput, [&] { (void)damaged.root().Read<float>("values"); });
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)damaged.root().Read<float>("outside"); }),
+              HasSubstr("/outside: expected an array in this file"));
 }
 
 TEST(Hdf5, FullDiskKeepsTheOldFileAtEveryMoment) {

@@ -12,6 +12,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/hdf5.h"
+#include "canonpose/base/random.h"
 #include "canonpose/base/testing.h"
 
 namespace canonpose {
@@ -452,6 +453,31 @@ TEST(DatasetFileTest, ATruncatedFileIsRefused) {
     WriteFileAtomically(folder / "cut.h5", std::string_view(whole).substr(0, size));
     EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadDataset(folder / "cut.h5"); }), HasSubstr("cut.h5"));
   }
+}
+
+/// libhdf5 crashes on some of these files, and on others it would run for ever.
+TEST(DatasetFileTest, FilesWithReplacedBytesAreReadOrRefused) {
+  const TemporaryFolder folder;
+  WriteDataset(folder / "a.h5", Sample());
+  const std::string whole = ReadFile(folder / "a.h5");
+  Rng rng(41);
+  int refused = 0;
+  for (int i = 0; i < 300; ++i) {
+    std::string bytes = whole;
+    // Half of them in the first part, where headers and texts are.
+    const std::size_t range = i % 2 == 0 ? bytes.size() : std::min<std::size_t>(bytes.size(), 4096);
+    for (std::size_t n = 0; n <= rng.Index(2); ++n) {
+      bytes[rng.Index(range)] = static_cast<char>(n % 2 == 0 ? 0xFF : rng.Index(256));
+    }
+    std::ofstream(folder / "b.h5", std::ios::binary) << bytes;
+    try {
+      ReadDataset(folder / "b.h5");
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kBadInput) << error.what();
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 20);
 }
 
 TEST(DatasetFileTest, NamesThatCannotBeGroupsAreRefused) {

@@ -163,6 +163,10 @@ ModelInfo ReadModelInfo(const h5::Group& root) {
               fmt::format("{}", info.data_fingerprints.size()), "the file is damaged: train again");
   }
   if (root.Has("morph")) {
+    // In a damaged file a group may hold itself.
+    if (root.path().ends_with("/morph")) {
+      root.Fail("morph", "no morphing network of a morphing network", "one", "the file is damaged: train again");
+    }
     const h5::Group morph = root.Open("morph");
     info.morph =
         std::make_shared<const ModelFile>(ModelFile{ReadModelInfo(morph), ReadArrays(morph.Open("parameters"))});

@@ -155,6 +155,22 @@ TEST(ModelFile, RefusesOtherVersionsFormatsAndTruncations) {
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadModelFile(folder / "nothing.cpm"); }), HasSubstr("nothing.cpm"));
 }
 
+TEST(ModelFile, RefusesMorphingNetworksOfMorphingNetworks) {
+  const TemporaryFolder folder;
+  ModelFile model = Example();
+  for (int depth = 0; depth < 2; ++depth) {
+    ModelFile outer = Example();
+    outer.info.morph = std::make_shared<const ModelFile>(model);
+    model = outer;
+  }
+  // As where a damaged group holds itself, and reading it would have no end.
+  WriteModelFile(folder / "model.cpm", model);
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadModelFile(folder / "model.cpm"); }),
+              HasSubstr("/morph/morph: expected no morphing network of a morphing network"));
+  WriteModelFile(folder / "model.cpm", *model.info.morph);
+  EXPECT_NE(ReadModelFile(folder / "model.cpm").info.morph, nullptr);
+}
+
 TEST(ModelFile, RefusesWeightsOfAnotherWidth) {
   ModelFile model = Example();
   model.info.width = 32;

@@ -46,6 +46,10 @@ Checkpoint ReadState(const h5::Group& group) {
   if (group.HasAttribute("restart")) checkpoint.restarts.running = static_cast<int>(group.GetInt("restart"));
   if (group.Has("restart_losses")) checkpoint.restarts.losses = group.Read<double>("restart_losses").values;
   if (group.Has("best_restart")) {
+    // In a damaged file a group may hold itself.
+    if (group.path().ends_with("/best_restart")) {
+      group.Fail("best_restart", "no further one in the best restart", "one", "the file is damaged: train again");
+    }
     checkpoint.restarts.best = std::make_shared<const Checkpoint>(ReadState(group.Open("best_restart")));
   }
   return checkpoint;

@@ -13,6 +13,8 @@
 #include <fmt/ranges.h>
 #include <matio.h>
 
+#include "canonpose/base/bytes.h"
+#include "canonpose/base/child_process.h"
 #include "canonpose/base/error.h"
 #include "canonpose/base/hdf5.h"
 
@@ -126,20 +128,104 @@ std::uint64_t ClaimedValues(const matvar_t* variable) {
   return rows > 0 && columns > kNone / rows ? kNone : rows * columns;
 }
 
+// ------------------------------------------------------------------------------------------------------ in the child
+
 struct VariableCloser {
   void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
 };
 using Variable = std::unique_ptr<matvar_t, VariableCloser>;
+
+/// A file that the library has open.
+class OpenFile {
+ public:
+  OpenFile(std::string path, std::string advice)
+      : path_(std::move(path)), advice_(std::move(advice)), file_(Mat_Open(path_.c_str(), MAT_ACC_RDONLY)) {
+    if (file_ != nullptr) return;
+    ThrowBadInput({path_, "", "a MATLAB file of version 5", "a damaged one", "copy the file again"});
+  }
+  ~OpenFile() {
+    if (file_ != nullptr) Mat_Close(file_);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  [[nodiscard]] std::vector<Matrix> ReadCells(const std::string& name, std::size_t count) const;
+
+ private:
+  [[noreturn]] void Fail(const std::string& place, const std::string& expected, const std::string& found,
+                         const std::string& advice = "") const {
+    ThrowBadInput({path_, place, expected, found, advice});
+  }
+
+  std::string path_;
+  std::string advice_;
+  mat_t* file_ = nullptr;
+};
+
+std::vector<Matrix> OpenFile::ReadCells(const std::string& name, std::size_t count) const {
+  Mat_Rewind(file_);
+  // First check what the variable claims to be, since reading allocates whatever a damaged size asks for.
+  const Variable variable(Mat_VarReadInfo(file_, name.c_str()));
+  if (variable == nullptr) Fail(name, "a variable of that name", "none that can be read", advice_);
+  std::size_t cells = variable->class_type == MAT_C_CELL && variable->data != nullptr ? 1 : 0;
+  for (int d = 0; d < variable->rank && cells > 0; ++d) cells *= variable->dims[d];
+  if (cells != count || variable->nbytes < count * sizeof(matvar_t*)) {
+    Fail(name, fmt::format("a cell array of {} matrices", count),
+         variable->class_type == MAT_C_CELL ? fmt::format("{} cells", cells) : "no cell array", advice_);
+  }
+  const auto* const parts = static_cast<matvar_t* const*>(variable->data);
+  constexpr std::uint64_t kBestCompression = 1100;  // deflate reaches 1032
+  const std::uint64_t limit = kBestCompression * fs::file_size(path_);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (ClaimedValues(parts[i]) <= limit) continue;
+    Fail(fmt::format("{}{{{}}}", name, i + 1), "a matrix that the file can hold", "a larger one",
+         "the file is damaged; copy it again");
+  }
+  if (Mat_VarReadDataAll(file_, variable.get()) != 0) {
+    Fail(name, "readable data", "damaged data", "copy the file again");
+  }
+  std::vector<Matrix> matrices;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::optional<Matrix> matrix = ToMatrix(parts[i]);
+    if (!matrix)
+      Fail(fmt::format("{}{{{}}}", name, i + 1), "a matrix of real numbers", "something else, or damaged data");
+    matrices.push_back(*matrix);
+  }
+  return matrices;
+}
+
+/// Answers "NAME COUNT" with the matrices of a cell array.
+std::string Answer(const OpenFile& file, std::string_view question) {
+  ByteReader reader(question);
+  const std::string name = reader.Text();
+  const auto count = reader.Number<std::uint64_t>();
+  ByteWriter writer;
+  for (const Matrix& matrix : file.ReadCells(name, count)) {
+    writer.Number<std::uint64_t>(matrix.rows);
+    writer.Number<std::uint64_t>(matrix.columns);
+    writer.Numbers(matrix.values);
+  }
+  return writer.Take();
+}
+
+/// Far more than a sound file of this size needs: matrices are decompressed and converted, and copied twice.
+ChildProcess::Limits LimitsFor(const fs::path& path) {
+  std::error_code error;
+  const std::uintmax_t bytes = fs::file_size(path, error);
+  constexpr double kBytesPerSecond = 10e6;
+  ChildProcess::Limits limits;
+  if (error) return limits;
+  limits.cpu_seconds = 2.0 + static_cast<double>(bytes) / kBytesPerSecond;
+  limits.memory_bytes += 32 * bytes;
+  return limits;
+}
 
 }  // namespace
 
 struct MatFile::State {
   std::string path;
   std::string advice;
-  mat_t* file = nullptr;
-  ~State() {
-    if (file != nullptr) Mat_Close(file);
-  }
+  std::unique_ptr<ChildProcess> child;  ///< has the file open
 };
 
 MatFile::MatFile(const fs::path& path, std::string advice) : state_(std::make_unique<State>()) {
@@ -159,10 +245,13 @@ MatFile::MatFile(const fs::path& path, std::string advice) : state_(std::make_un
   if (!IsSound(path)) {
     ThrowBadInput({path.string(), "", expected, "one that is cut short or damaged", "copy the file again"});
   }
-  state_->file = Mat_Open(path.c_str(), MAT_ACC_RDONLY);
-  if (state_->file == nullptr) {
-    ThrowBadInput({path.string(), "", expected, "a damaged one", "copy the file again"});
-  }
+  state_->child = std::make_unique<ChildProcess>(
+      [file_path = state_->path, file_advice = state_->advice,
+       file = std::shared_ptr<OpenFile>()](std::string_view question) mutable {
+        if (file == nullptr) file = std::make_shared<OpenFile>(file_path, file_advice);
+        return Answer(*file, question);
+      },
+      LimitsFor(path));
 }
 
 MatFile::~MatFile() = default;
@@ -173,33 +262,24 @@ void MatFile::Fail(const std::string& place, const std::string& expected, const 
 }
 
 std::vector<Matrix> MatFile::ReadCells(const std::string& name, std::size_t count) const {
-  Mat_Rewind(state_->file);
-  // First check what the variable claims to be, since reading allocates whatever a damaged size asks for.
-  const Variable variable(Mat_VarReadInfo(state_->file, name.c_str()));
-  if (variable == nullptr) Fail(name, "a variable of that name", "none that can be read", state_->advice);
-  std::size_t cells = variable->class_type == MAT_C_CELL && variable->data != nullptr ? 1 : 0;
-  for (int d = 0; d < variable->rank && cells > 0; ++d) cells *= variable->dims[d];
-  if (cells != count || variable->nbytes < count * sizeof(matvar_t*)) {
-    Fail(name, fmt::format("a cell array of {} matrices", count),
-         variable->class_type == MAT_C_CELL ? fmt::format("{} cells", cells) : "no cell array", state_->advice);
+  ByteWriter question;
+  question.Text(name);
+  question.Number<std::uint64_t>(count);
+  const std::optional<std::string> answer = state_->child->Ask(question.Take());
+  if (!answer) {
+    Fail(name, "readable data", fmt::format("damaged data (the library that reads it {})", state_->child->why_ended()),
+         "copy the file again");
   }
-  const auto* const parts = static_cast<matvar_t* const*>(variable->data);
-  constexpr std::uint64_t kBestCompression = 1100;  // deflate reaches 1032
-  const std::uint64_t limit = kBestCompression * fs::file_size(state_->path);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (ClaimedValues(parts[i]) <= limit) continue;
-    Fail(fmt::format("{}{{{}}}", name, i + 1), "a matrix that the file can hold", "a larger one",
-         "the file is damaged; copy it again");
-  }
-  if (Mat_VarReadDataAll(state_->file, variable.get()) != 0) {
-    Fail(name, "readable data", "damaged data", "copy the file again");
-  }
-  std::vector<Matrix> matrices;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::optional<Matrix> matrix = ToMatrix(parts[i]);
-    if (!matrix)
-      Fail(fmt::format("{}{{{}}}", name, i + 1), "a matrix of real numbers", "something else, or damaged data");
-    matrices.push_back(*matrix);
+  ByteReader reader(*answer);
+  std::vector<Matrix> matrices(count);
+  for (Matrix& matrix : matrices) {
+    matrix.rows = reader.Number<std::uint64_t>();
+    matrix.columns = reader.Number<std::uint64_t>();
+    matrix.values = reader.Numbers<double>();
+    // The library may have damaged the child's memory before it answered.
+    const bool is_whole = reader.ok() && matrix.columns > 0 && matrix.values.size() % matrix.columns == 0 &&
+                          matrix.values.size() / matrix.columns == matrix.rows;
+    if (!is_whole) Fail(name, "readable data", "damaged data", "copy the file again");
   }
   return matrices;
 }

@@ -1,4 +1,7 @@
 // MATLAB files of version 5, read with libmatio: cell arrays of matrices.
+//
+// The library crashes on some damaged files, so it reads in a child process (base/child_process.h): then only the child
+// is lost, and the file is said to be damaged.
 #pragma once
 
 #include <filesystem>

@@ -85,7 +85,7 @@ std::string NpzReader::ReadBytes(const std::string& name) const {
   zip_int64_t got = -1;
   if (entry != nullptr) {
     // Read in small pieces, so that a damaged size cannot request all memory at once.
-    std::vector<char> buffer(1 << 20);
+    std::vector<char> buffer(1 << 16);
     while ((got = zip_fread(entry, buffer.data(), buffer.size())) > 0)
       bytes.append(buffer.data(), static_cast<std::size_t>(got));
     zip_fclose(entry);

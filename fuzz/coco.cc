@@ -1,0 +1,4 @@
+// Coco's JSON, one camera's results: reading, following a person, checking the layout.
+#include "detections.h"
+
+CANONPOSE_FUZZ_TARGET(bytes) { canonpose::fuzz::ReadDetections("coco", canonpose::fuzz::Write("frame_1.json", bytes)); }

@@ -48,7 +48,8 @@ double OffCentre(const std::array<int, 2>& size, const Extent& extent) {
 
 }  // namespace
 
-std::vector<OtherImageSize> OtherImageSizes(std::span<const float> keypoints, const std::array<int, 2>& declared) {
+std::vector<OtherImageSize> OtherImageSizes(std::span<const float> keypoints, const std::array<int, 2>& declared,
+                                            double min_off_centre) {
   std::array<std::vector<float>, 2> coordinates;
   for (std::size_t i = 0; i + 1 < keypoints.size(); i += 2) {
     if (!std::isfinite(keypoints[i]) || !std::isfinite(keypoints[i + 1])) continue;
@@ -57,6 +58,7 @@ std::vector<OtherImageSize> OtherImageSizes(std::span<const float> keypoints, co
   }
   if (coordinates[0].size() < kMinKeypoints) return {};
   const Extent extent = ExtentOf(coordinates);
+  if (OffCentre(declared, extent) < min_off_centre) return {};
   std::vector<OtherImageSize> candidates;
   if (declared[0] != declared[1]) candidates.push_back({{declared[1], declared[0]}, true, 1.0});
   for (const double scale : {1.0 / 2.0, 2.0 / 3.0, 1.0 / 3.0, 3.0 / 2.0, 2.0, 3.0}) {

@@ -31,27 +31,27 @@ auto OfSize(int width, int height) { return Field(&OtherImageSize::size, std::ar
 
 TEST(ImageSizeCheck, SaysNothingOfTheRightSizeHoweverSmallThePersonIs) {
   for (const double share : {0.2, 0.6, 0.95}) {
-    EXPECT_THAT(OtherImageSizes(Fill(1920, 1080, share), {1920, 1080}), IsEmpty()) << share;
+    EXPECT_THAT(OtherImageSizes(Fill(1920, 1080, share), {1920, 1080}, 0.12), IsEmpty()) << share;
   }
 }
 
 TEST(ImageSizeCheck, FindsTheSizeOfAScaledVideo) {
-  EXPECT_THAT(OtherImageSizes(Fill(960, 540, 0.8), {1920, 1080}), Contains(OfSize(960, 540)));
-  EXPECT_THAT(OtherImageSizes(Fill(1280, 720, 0.8), {1920, 1080}), Contains(OfSize(1280, 720)));
-  EXPECT_THAT(OtherImageSizes(Fill(640, 360, 0.8), {1920, 1080}), Contains(OfSize(640, 360)));
-  EXPECT_THAT(OtherImageSizes(Fill(1920, 1080, 0.8), {960, 540}), Contains(OfSize(1920, 1080)));
+  EXPECT_THAT(OtherImageSizes(Fill(960, 540, 0.8), {1920, 1080}, 0.12), Contains(OfSize(960, 540)));
+  EXPECT_THAT(OtherImageSizes(Fill(1280, 720, 0.8), {1920, 1080}, 0.12), Contains(OfSize(1280, 720)));
+  EXPECT_THAT(OtherImageSizes(Fill(640, 360, 0.8), {1920, 1080}, 0.12), Contains(OfSize(640, 360)));
+  EXPECT_THAT(OtherImageSizes(Fill(1920, 1080, 0.8), {960, 540}, 0.12), Contains(OfSize(1920, 1080)));
 }
 
 TEST(ImageSizeCheck, FindsThatWidthAndHeightAreExchanged) {
-  const std::vector<OtherImageSize> others = OtherImageSizes(Fill(1088, 1920, 0.5), {1920, 1088});
+  const std::vector<OtherImageSize> others = OtherImageSizes(Fill(1088, 1920, 0.5), {1920, 1088}, 0.12);
   ASSERT_THAT(others, Contains(OfSize(1088, 1920)));
   EXPECT_TRUE(others.front().is_turned);
-  EXPECT_THAT(OtherImageSizes(Fill(1000, 1000, 0.9), {1000, 1000}), IsEmpty());
+  EXPECT_THAT(OtherImageSizes(Fill(1000, 1000, 0.9), {1000, 1000}, 0.12), IsEmpty());
 }
 
 TEST(ImageSizeCheck, SaysNothingOfTooFewKeypoints) {
-  EXPECT_THAT(OtherImageSizes({}, {1920, 1080}), IsEmpty());
-  EXPECT_THAT(OtherImageSizes(std::vector<float>(20, 100.0F), {1920, 1080}), IsEmpty());
+  EXPECT_THAT(OtherImageSizes({}, {1920, 1080}, 0.12), IsEmpty());
+  EXPECT_THAT(OtherImageSizes(std::vector<float>(20, 100.0F), {1920, 1080}, 0.12), IsEmpty());
 }
 
 }  // namespace

@@ -37,6 +37,9 @@ constexpr float kLargestFraction = 2.0F;
 constexpr float kFarOutside = 0.1F;
 /// If this fraction of the keypoints is far outside, the image size is wrong.
 constexpr double kManyOutside = 0.02;
+/// Of the keypoints' centre, as a fraction of the image: 0.24 or more where the size is wrong, up to 0.19 where it is
+/// right but only arms and head are detected.
+constexpr double kClearlyOffCentre = 0.2;
 /// No detector's confidences exceed this; AlphaPose's, which are maxima of heat maps, reach about 6.
 constexpr float kLargestConfidence = 100.0F;
 /// Nor does one exceed both this and kOutlierFactor times the value that 99 % of them stay below.
@@ -157,7 +160,7 @@ void CheckImageSize(const KeypointClip& clip, const ImageSize& size) {
     outside += is_far ? 1 : 0;
   }
   if (static_cast<double>(outside) <= kManyOutside * static_cast<double>(seen)) {
-    const std::vector<OtherImageSize> others = OtherImageSizes(clip.keypoints, size);
+    const std::vector<OtherImageSize> others = OtherImageSizes(clip.keypoints, size, kClearlyOffCentre);
     if (others.empty()) return;
     LogWarning(
         "{}: the keypoints lie as in images of {}x{} pixels, not {}x{}: check `image_size`, which is that of the video "

@@ -119,9 +119,10 @@ class LiftBatch {
 }  // namespace
 
 LiftedPoses PoseLifter::Lift(const CameraView& view, int frame_count) const {
-  if (!state_->morph) return LiftMorphed(view, frame_count);
+  const std::optional<PoseMorph>& morph = state_->morph;
+  if (!morph) return LiftMorphed(view, frame_count);
   CameraView morphed = view;
-  state_->morph->Apply(morphed, frame_count);
+  morph->Apply(morphed, frame_count);
   return LiftMorphed(morphed, frame_count);
 }
 

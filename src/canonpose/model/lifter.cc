@@ -58,7 +58,7 @@ void LiftingNetwork::Mirror() {
 
 torch::Tensor LiftingNetwork::Seen(const torch::Tensor& input) const {
   if (confidences_ == ConfidenceInput::kAll) return input;
-  const torch::Tensor points = input.narrow(1, 0, 2 * joint_count_);  // of norm 1, see NormalisePose()
+  torch::Tensor points = input.narrow(1, 0, 2 * joint_count_);  // of norm 1, see NormalisePose()
   if (confidences_ == ConfidenceInput::kNone) return points;
   const torch::Tensor seen = (input.narrow(1, 2 * joint_count_, joint_count_) > 0).to(input.scalar_type());
   return torch::cat({std::sqrt(2.0 * joint_count_) * points, seen - 1}, 1);

@@ -16,6 +16,8 @@ namespace {
 /// Another size must leave less than this share of the error. Where the keypoints lie says most; a wrong size costs 0.5
 /// to 2 % of the error, and other focal lengths and rotations take up the rest (experiments/damaged).
 constexpr double kSizeGain = 0.998;
+/// Other sizes are tried where the centre of the keypoints is this far from that of the image, as a fraction of it.
+constexpr double kOffCentre = 0.12;
 /// A quick calibration's error may be off by this factor.
 constexpr double kQuickTolerance = 1.04;
 
@@ -44,7 +46,7 @@ std::vector<Hypothesis> Hypotheses(const CaptureObservations& capture) {
   std::map<std::pair<bool, double>, Hypothesis> in_the_same_way;
   for (int v = 0; v < capture.view_count(); ++v) {
     const std::array<int, 2>& declared = capture.cameras[static_cast<std::size_t>(v)].image_size_px;
-    for (const OtherImageSize& other : OtherImageSizes(PixelsOf(capture, v), declared)) {
+    for (const OtherImageSize& other : OtherImageSizes(PixelsOf(capture, v), declared, kOffCentre)) {
       hypotheses.push_back({{v, other.size}});
       in_the_same_way[{other.is_turned, other.scale}].emplace_back(v, other.size);
     }

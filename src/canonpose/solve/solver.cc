@@ -100,11 +100,12 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options,
   work.solution = calibrate(capture);
   const AdjustmentSummary& summary = work.solution.calibration_summary;
   if (summary.IsUsable()) CorrectImageSizes(capture, calibrate, calibrate_quickly, work.solution);
+  if (summary.IsUsable()) CheckViews(capture, calibration, calibrate, calibrate_quickly, work);
+  if (HasFailed(work)) return;
+  // Only now: in a view that does not fit as a whole, any keypoint seems invented.
   if (summary.IsUsable() && RemoveInvented(CalibrationFrames(capture, calibration), work.solution, capture) > 0) {
     work.solution = calibrate(capture);
   }
-  if (summary.IsUsable()) CheckViews(capture, calibration, calibrate, calibrate_quickly, work);
-  if (HasFailed(work)) return;
   work.report.calibration = summary;
   if (!summary.IsUsable()) work.report.failure = fmt::format("the cameras could not be found: {}", summary.reason);
 }

@@ -1,5 +1,6 @@
 #include "canonpose/base/progress.h"
 
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -7,7 +8,7 @@
 namespace canonpose {
 
 std::string FormatDuration(double seconds) {
-  const long total = static_cast<long>(seconds + 0.5);
+  const long total = std::lround(seconds);
   if (total >= 3600) return fmt::format("{} h {:02} min", total / 3600, total % 3600 / 60);
   if (total >= 60) return fmt::format("{} min {:02} s", total / 60, total % 60);
   return fmt::format("{} s", total);

@@ -57,8 +57,9 @@ void AppendTable(std::string& text, const std::string& key, const std::vector<fl
 }  // namespace
 
 void WriteLiftJson(const std::filesystem::path& path, const LiftedPoses& poses) {
-  using Json = nlohmann::json;
-  const auto dump = [](const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); };
+  const auto dump = [](const nlohmann::json& json) {
+    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  };
   const std::size_t frames = poses.frames.size();
   const std::size_t joints = poses.skeleton().joints.size();
   std::string text = "{\n";
@@ -68,9 +69,9 @@ void WriteLiftJson(const std::filesystem::path& path, const LiftedPoses& poses) 
   text += fmt::format("  \"joints\": {},\n", dump(poses.skeleton().joints));
   text += fmt::format("  \"parents\": {},\n", dump(poses.skeleton().parents));
   text += fmt::format("  \"frames\": {},\n", dump(poses.frames));
-  Json seconds = Json::array();
+  nlohmann::json seconds = nlohmann::json::array();
   for (const std::int64_t frame : poses.frames) {
-    seconds.push_back(fps > 0.0 ? Json(static_cast<double>(frame) / fps) : Json());
+    seconds.push_back(fps > 0.0 ? nlohmann::json(static_cast<double>(frame) / fps) : nlohmann::json());
   }
   text += fmt::format("  \"time\": {},\n", dump(seconds));
   AppendArray(text, "pose3d", poses.pose_in_camera.positions(), frames, joints);

@@ -247,10 +247,11 @@ class Mapper {
     // The spine goes from the hips through the joints up to the head, as far as each lies above the last, to the crown.
     spine_ = {plan_[kHip]};
     for (const int joint : WayFromRoot(skull_)) {
-      if (Height(Rest(joint)) > Height(spine_.back().rest) + 1e-6)
+      if (Height(Rest(joint)) > Height(spine_.back().rest) + 1e-6) {
         spine_.push_back({joint, Rest(joint)});
-      else if (joint != spine_.back().joint)
+      } else if (joint != spine_.back().joint) {
         spine_.back().joint = joint;
+      }
     }
     spine_.push_back(plan_[kHead]);
     const double shoulders = Height((Rest(left_.shoulder) + Rest(right_.shoulder)) / 2.0);

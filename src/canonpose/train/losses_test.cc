@@ -111,7 +111,7 @@ TEST_P(LossesOf, GradientsMatchNumericOnes) {
   example.batch.confidence[0][2] = 0.0;
   example.batch.keypoints.index_put_({0, torch::indexing::Slice(), 2}, 0.0);
   example.Compute(perspective).total.backward();
-  const auto check = [&](const std::string& name, torch::Tensor parameter) {
+  const auto check = [&](const std::string& name, const torch::Tensor& parameter) {
     torch::Tensor flat = parameter.detach().view({-1});
     const torch::Tensor gradient = parameter.grad().view({-1});
     for (const std::int64_t index : {std::int64_t{0}, flat.numel() / 2, flat.numel() - 1}) {

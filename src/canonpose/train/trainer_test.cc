@@ -47,7 +47,8 @@ Dataset CalibratedRing(int frames, int cameras) {
     camera.camera_from_world_translation.z() = 3.5;
     view.calibration = {camera};
     for (std::size_t i = 0; i < view.confidence.size(); ++i) {
-      const auto puppet = testing::PuppetAt(0.13 * static_cast<double>(i / kJoints));
+      const std::size_t frame = i / kJoints;
+      const auto puppet = testing::PuppetAt(0.13 * static_cast<double>(frame));
       const Eigen::Vector3d point = Eigen::Vector3d::Map(puppet[i % kJoints].data());
       const Eigen::Vector3d in_camera = camera.InCamera(point);
       for (int axis = 0; axis < 3; ++axis)
@@ -111,7 +112,8 @@ TEST(MakeTrainingSplit, KeepsTheRotationOfEveryRow) {
   Dataset dataset = PuppetShow(20, 3);
   for (CameraView& view : dataset.sequences[0].cameras) {  // the puppet walks through the picture
     for (std::size_t i = 0; i < view.keypoints.size(); ++i) {
-      view.keypoints[i] += (i % 2 == 0 ? 20.0F : -8.0F) * static_cast<float>(i / (2 * kJoints));
+      const std::size_t frame = i / (2 * kJoints);
+      view.keypoints[i] += (i % 2 == 0 ? 20.0F : -8.0F) * static_cast<float>(frame);
     }
   }
   dataset.sequences[0].cameras[0].confidence[7 * kJoints] = 0.0F;  // the root: a missing view

@@ -469,7 +469,7 @@ class Machine {
 
 }  // namespace
 
-Value Decode(std::string bytes, const std::string& file, const std::string& place) {
+Value Decode(const std::string& bytes, const std::string& file, const std::string& place) {
   auto storage = std::make_shared<Storage>();
   storage->file = file;
   storage->place = place;

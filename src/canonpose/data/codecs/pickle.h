@@ -74,7 +74,7 @@ class Value {
 /// for a pickle that is damaged, refers to itself, is nested too deeply, or names anything other than what NumPy's
 /// arrays need; the message then contains that name, such as "os.system". Memory use is proportional to the size of
 /// `bytes`, whatever lengths it claims.
-Value Decode(std::string bytes, const std::string& file, const std::string& place = "");
+Value Decode(const std::string& bytes, const std::string& file, const std::string& place = "");
 
 /// The same of a file.
 Value Load(const std::filesystem::path& path);

@@ -159,7 +159,8 @@ double Anything(Stage& stage, double t, double seconds) {
 
 // Legs and trunk of somebody who stands around.
 void StandAbout(Stage& stage) {
-  for (double t = stage.Uniform(0.5, 2.0); t < stage.seconds(); t += stage.Uniform(1.5, 4.5)) {
+  double t = stage.Uniform(0.5, 2.0);
+  while (t < stage.seconds()) {
     const double duration = stage.Beat(0.9);
     if (stage.Chance(0.3)) {
       stage.MoveTo(kTrunkTwist, t, duration, RadFromDeg(stage.Uniform(-28.0, 28.0)));
@@ -168,6 +169,7 @@ void StandAbout(Stage& stage) {
       stage.MoveTo(kPelvisPitch, t, duration, RadFromDeg(stage.Uniform(-6.0, 16.0)));
     }
     stage.MoveTo(kPelvisRoll, t, duration, RadFromDeg(stage.Uniform(-6.0, 6.0)));
+    t += stage.Uniform(1.5, 4.5);
   }
 }
 

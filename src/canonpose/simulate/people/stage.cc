@@ -56,8 +56,7 @@ std::vector<double> SmoothCover(const std::vector<double>& values, int half_wind
   return cover;
 }
 
-Stage::Stage(const Body& body, double fps, int frames, Rng rng)
-    : body_(body), fps_(fps), frames_(frames), rng_(std::move(rng)) {
+Stage::Stage(const Body& body, double fps, int frames, Rng rng) : body_(body), fps_(fps), frames_(frames), rng_(rng) {
   for (std::vector<double>& channel : values_) channel.assign(static_cast<std::size_t>(frames), 0.0);
   style_ = MakeStyle(body_, rng_);
 }
@@ -209,8 +208,8 @@ void PlaceFeet(Stage& stage, double half_width) {
 
 void LookAround(Stage& stage, double from, double to, double every_seconds) {
   const double home_flex = stage.Final(kNeckFlex);
-  for (double t = from + stage.Uniform(0.0, 1.0) * every_seconds; t < to;
-       t += every_seconds * stage.Uniform(0.5, 1.6)) {
+  double t = from + stage.Uniform(0.0, 1.0) * every_seconds;
+  while (t < to) {
     const bool back = stage.Chance(0.35);
     const double twist = back ? 0.0 : RadFromDeg(stage.Uniform(-62.0, 62.0));
     const double duration = stage.Beat(0.5);
@@ -219,6 +218,7 @@ void LookAround(Stage& stage, double from, double to, double every_seconds) {
     stage.MoveTo(kNeckSide, t, duration, back ? 0.0 : RadFromDeg(stage.Uniform(-14.0, 14.0)));
     stage.MoveBy(kTrunkTwist, t, duration * 1.2, 0.2 * twist);
     stage.MoveBy(kTrunkTwist, t + duration + 0.4, 0.9, -0.2 * twist);
+    t += every_seconds * stage.Uniform(0.5, 1.6);
   }
 }
 

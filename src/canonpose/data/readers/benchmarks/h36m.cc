@@ -383,9 +383,10 @@ class Human36mImporter {
 }  // namespace
 
 Dataset ImportH36m(const BenchmarkOptions& options) {
-  if (options.paths.size() > 2)
+  if (options.paths.size() > 2) {
     ThrowInvalidArgument("h36m takes the file of 2D poses and optionally that of 3D poses, not {} files",
                          options.paths.size());
+  }
   return Human36mImporter(options).Run();
 }
 

@@ -90,6 +90,9 @@ class Examiner {
   [[nodiscard]] std::optional<ViewReading> FindTime(ViewReading reading) const;
   [[nodiscard]] std::vector<ViewReading> OtherReadings() const;
   [[nodiscard]] std::vector<BadStretch> FindBadStretches(const ViewFit& fit) const;
+  /// By how many frames a stretch of time jumps, given its error at the time of the others plus so many frames; 0 where
+  /// no jump brings the error below the limit, or several do because the motion repeats itself.
+  [[nodiscard]] int FindJump(const std::function<double(int)>& error_after, double limit) const;
   void NameFault(const ViewFit& fit, double limit, BadStretch& stretch) const;
 
   const CaptureObservations& capture_;
@@ -253,11 +256,14 @@ std::optional<ViewReading> Examiner::FindTime(ViewReading reading) const {
   const double from = rate > 0.0 ? min_overlap - span : min_overlap - 1.0;
   const double to = rate > 0.0 ? count - min_overlap : span + count - min_overlap;
   const double step = std::max(1.0, std::round(clip_.fps / 12.0));
-  for (double offset = std::ceil(from); offset <= to; offset += step) evaluate(offset);
+  const auto evaluate_from = [&](double first, double last, double by) {
+    for (int i = 0; first + i * by <= last; ++i) evaluate(first + i * by);
+  };
+  evaluate_from(std::ceil(from), to, step);
   if (candidates.empty()) return std::nullopt;
   const auto best_of = [&] { return *std::ranges::max_element(candidates, {}, &Candidate::gain); };
   const Candidate coarse = best_of();
-  for (double offset = coarse.offset - step; offset <= coarse.offset + step; offset += 1.0) evaluate(offset);
+  evaluate_from(coarse.offset - step, coarse.offset + step, 1.0);
   const Candidate best = best_of();
   for (const Candidate& other : candidates) {
     if (std::abs(other.offset - best.offset) < kOtherTimeSeconds * clip_.fps * std::max(1.0, std::abs(rate))) continue;
@@ -319,6 +325,18 @@ std::vector<BadStretch> Examiner::FindBadStretches(const ViewFit& fit) const {
   return stretches;
 }
 
+int Examiner::FindJump(const std::function<double(int)>& error_after, double limit) const {
+  const int max_jump = std::min(clip_.count / 2, static_cast<int>(5.0 * clip_.fps));
+  std::vector<double> gains;
+  for (int jump = -max_jump; jump <= max_jump; ++jump) gains.push_back(std::max(0.0, limit - error_after(jump)));
+  const auto best = std::ranges::max_element(gains);
+  if (!(*best > 0.0)) return 0;
+  for (auto other = gains.begin(); other != gains.end(); ++other) {
+    if (std::abs(other - best) >= kOtherTimeSeconds * clip_.fps && *other > kUniqueTime * *best) return 0;
+  }
+  return static_cast<int>(best - gains.begin()) - max_jump;
+}
+
 void Examiner::NameFault(const ViewFit& fit, double limit, BadStretch& stretch) const {
   std::vector<int> frames;
   for (int t = stretch.first; t < stretch.first + stretch.count; ++t) {
@@ -333,20 +351,9 @@ void Examiner::NameFault(const ViewFit& fit, double limit, BadStretch& stretch) 
     }
     return 2 * errors.size() < frames.size() ? std::numeric_limits<double>::infinity() : Median(std::move(errors));
   };
-  // The same camera at another time.
-  const int max_jump = std::min(clip_.count / 2, static_cast<int>(5.0 * clip_.fps));
-  double least = std::numeric_limits<double>::infinity();
-  int best_jump = 0;
-  for (int jump = -max_jump; jump <= max_jump; ++jump) {
-    const double error = median_error(fit.camera, jump);
-    if (error < least) {
-      least = error;
-      best_jump = jump;
-    }
-  }
-  if (least < limit && best_jump != 0) {
+  if (const int jump = FindJump([&](int frames_later) { return median_error(fit.camera, frames_later); }, limit)) {
     stretch.fault = StretchFault::kTimeJump;
-    stretch.jump_frames = best_jump;
+    stretch.jump_frames = jump;
     return;
   }
   if (!capture_.static_cameras) return;

@@ -9,6 +9,7 @@ namespace canonpose {
 namespace {
 
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 constexpr int kFrames = 150;
@@ -140,6 +141,20 @@ TEST_P(AView, ThatLostFramesIsFound) {
   EXPECT_EQ(found.bad[0].fault, StretchFault::kTimeJump);
   EXPECT_NEAR(found.bad[0].first, 80, 3);
   EXPECT_NEAR(found.bad[0].jump_frames, 25, 1);
+}
+
+TEST_P(AView, OfAMotionThatRepeatsItselfIsLeftOutWhereFramesWereLost) {
+  // Steps of 20 frames from frame 60 on: 7 lost frames, or 27, or 47?
+  for (int t = 80; t < kFrames; ++t) {
+    for (int j = 0; j < rig_.truth.joint_count; ++j) rig_.truth.Joint(t, j) = rig_.truth.Joint(t - 20, j);
+  }
+  testing::SeeJoints(rig_.truth, kScatter, 3, rig_.capture);
+  recorded_ = rig_.capture;
+  Take([](int t) { return t < 80 ? t : t + 7; });
+  const ViewExamination found = Examine();
+  ASSERT_TRUE(found.fits);
+  ASSERT_THAT(found.bad, Not(IsEmpty()));
+  for (const BadStretch& stretch : found.bad) EXPECT_EQ(stretch.fault, StretchFault::kOther);
 }
 
 TEST(AStaticView, ThatWasPushedIsFound) {

@@ -26,16 +26,16 @@ def require_build():
         raise SystemExit("build the project first: ./run-demo or ./run-tests")
 
 
-# The exit code of a computation whose result cannot be believed, and what `train` then says of the model that it wrote.
+# The exit code of a computation whose result cannot be believed, and what `train` and `solve` then say of the file that they wrote.
 DOUBTFUL = (4, "is written, but its 3D poses cannot be believed")
 
 
 def run(*arguments):
     """Runs canonpose and returns what it printed. If it fails, its message ends the experiment. A training that is trapped or
-    undecided is a result like any other."""
+    undecided is a result like any other, and so is a solution whose depth is a guess."""
     result = subprocess.run([str(CANONPOSE), *map(str, arguments)], capture_output=True, text=True)
     code, message = DOUBTFUL
-    is_doubtful = arguments[0] == "train" and result.returncode == code and message in result.stderr
+    is_doubtful = arguments[0] in ("train", "solve") and result.returncode == code and message in result.stderr
     if result.returncode != 0 and not is_doubtful:
         raise SystemExit(f"canonpose {' '.join(map(str, arguments))}\n{result.stderr}")
     return result.stdout

@@ -305,6 +305,8 @@ TEST(Program, AnOutputIsNeitherAnInputNorOfAnotherName) {
   expect_refusal({"solve", data, "-o", data}, "would be overwritten");
   expect_refusal({"solve", data, "-o", folder / "s.h5", "--json", data}, "would be overwritten");
   expect_refusal({"evaluate", data, "--json", data}, "would be overwritten");
+  expect_refusal({"solve", data, "-o", folder / "s.h5", "--json", folder / "./s.h5"}, "give two files");
+  expect_refusal({"evaluate", data, "--json", folder / "e.csv", "--frame-errors", folder / "e.csv"}, "give two files");
   expect_refusal({"import", "openpose", keypoints, "-o", data, "--image-size", "640x480", "--calibration", data},
                  "would be overwritten");
   EXPECT_EQ(ReadFile(data), before);

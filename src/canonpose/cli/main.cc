@@ -47,6 +47,13 @@ int ExitCodeOf(ErrorKind kind) {
   return static_cast<int>(ExitCode::kComputation);
 }
 
+/// Names of files may hold anything, but a message is one line.
+std::string OneLine(std::string text) {
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
+  return text;
+}
+
 /// Failures of libraries, in one line: LibTorch's end in a stack of C++ frames.
 int ReportUnexpected(const Terminal& terminal, const std::string& what) {
   const std::string line = what.substr(0, what.find('\n'));
@@ -103,15 +110,16 @@ int Main(int argc, char** argv) {
       app.exit(error);
       return FinishOutput(terminal);
     }
-    terminal.Print("error: " + DescribeMistake(app, error));
+    terminal.Print("error: " + OneLine(DescribeMistake(app, error)));
     return static_cast<int>(ExitCode::kUsage);
   } catch (const Error& error) {
-    terminal.Print("error: " + SpellOptions(error.what(), app, IsTrainingOption));
+    terminal.Print("error: " + OneLine(SpellOptions(error.what(), app, IsTrainingOption)));
     return ExitCodeOf(error.kind());
   } catch (const std::bad_alloc&) {
     return ReportUnexpected(terminal, "out of memory");
   } catch (const std::filesystem::filesystem_error& error) {
-    terminal.Print(fmt::format("error: {}: {}; check the path", error.path1().string(), error.code().message()));
+    terminal.Print(
+        OneLine(fmt::format("error: {}: {}; check the path", error.path1().string(), error.code().message())));
     return static_cast<int>(ExitCode::kBadInput);
   } catch (const std::exception& error) {
     return ReportUnexpected(terminal, error.what());

@@ -76,8 +76,9 @@ TEST(SolveThenTrain, CapturesOfOneNameInSeveralFilesAreSolvedTogether) {
   KeepFrames(job.datasets[0], {0, 36}, "first.h5");
   KeepFrames(job.datasets[1], {37, 74}, "second.h5");
   const auto focals_of = [&](const char* file) {
+    const Dataset solved = ReadDataset(folder / file);
     std::vector<double> focals;
-    for (const CameraView& view : ReadDataset(folder / file).sequences.front().cameras) {
+    for (const CameraView& view : solved.sequences.front().cameras) {
       focals.push_back(view.solved_calibration.front().K(0, 0));
     }
     return focals;

@@ -71,6 +71,8 @@ TEST(Failures, APersonLikeAStatue) {
   }
   EXPECT_THAT(FailureOf(dataset), AllOf(HasSubstr("the person hardly moves in these"),
                                         HasSubstr("points to find cameras: record somebody who moves")));
+  KeepFrames(dataset, {0, 11}, "data.h5");
+  EXPECT_THAT(FailureOf(dataset), AllOf(HasSubstr("hardly moves in these 12 frames"), HasSubstr("give more frames")));
 }
 
 TEST(Failures, TheSameViewTwice) {

@@ -300,7 +300,7 @@ std::string SolveReport::ToJson() const {
     one["warnings"] = capture.warnings;
     json["captures"].push_back(one);
   }
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace canonpose

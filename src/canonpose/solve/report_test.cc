@@ -83,6 +83,13 @@ TEST(Report, OfACaptureThatFailedSaysHowFarItCame) {
   EXPECT_THAT(SolveReport{{report}}.ToText(), HasSubstr("not solved: the cameras could not be found"));
 }
 
+TEST(Report, NamesMayBeAnyBytes) {
+  CaptureReport report;
+  report.name = "walk \xff";
+  report.cameras.emplace_back().name = "cam \xc3";
+  EXPECT_THAT(JsonOf(report)["name"].get<std::string>(), ::testing::StartsWith("walk "));
+}
+
 TEST(Report, IsQuietWhereNothingWentWrong) {
   const ExactRig rig = MakeExactRig();
   Solution solution;

@@ -117,6 +117,8 @@ bool AnswerOne(const ChildProcess::Answer& answer, std::string_view question, in
   // Handlers of the program or of a debugging tool are for its own crashes. Here they are expected, and leave no core
   // dump.
   for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXCPU}) std::signal(signal, SIG_DFL);
+  // A terminal sends these to both. What to do about them is the other process's business; this one ends with it.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, SIG_IGN);
   Silence();
   Limit(RLIMIT_CORE, 0);
   Limit(RLIMIT_AS, address_space + limits.memory_bytes);

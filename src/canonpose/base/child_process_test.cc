@@ -63,6 +63,16 @@ TEST(ChildProcess, ACrashIsNoticedAndSilent) {
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
+TEST(ChildProcess, SignalsOfTheTerminalAreNotForIt) {
+  ChildProcess child(
+      [](std::string_view question) {
+        for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) (void)std::raise(signal);
+        return Repeat(question);
+      },
+      {});
+  EXPECT_EQ(child.Ask("a"), "aa");
+}
+
 TEST(ChildProcess, EndlessWorkIsEnded) {
   ChildProcess::Limits limits;
   limits.cpu_seconds = 1.0;

@@ -125,7 +125,7 @@ ChildProcess::Limits LimitsFor(const std::filesystem::path& path) {
   if (error) bytes = 0;
   constexpr double kBytesPerSecond = 10e6;
   ChildProcess::Limits limits;
-  limits.cpu_seconds = 2.0 + static_cast<double>(bytes) / kBytesPerSecond;
+  limits.cpu_seconds = 1.0 + static_cast<double>(bytes) / kBytesPerSecond;
   limits.memory_bytes = (std::size_t{1} << 30) + 16 * bytes;
   return limits;
 }

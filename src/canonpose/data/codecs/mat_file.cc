@@ -215,7 +215,7 @@ ChildProcess::Limits LimitsFor(const fs::path& path) {
   constexpr double kBytesPerSecond = 10e6;
   ChildProcess::Limits limits;
   if (error) return limits;
-  limits.cpu_seconds = 2.0 + static_cast<double>(bytes) / kBytesPerSecond;
+  limits.cpu_seconds = 1.0 + static_cast<double>(bytes) / kBytesPerSecond;
   limits.memory_bytes += 32 * bytes;
   return limits;
 }

@@ -64,7 +64,7 @@ class PoseSequence {
   /// Keeps the frames first, first + step, ... up to last, which may lie beyond the end.
   void KeepFrames(int first, int last, int step = 1);
 
-  /// (T, J, 3), (T, J) 0..1, and (T, J) along the worst direction in `unit`, NaN where unknown; row-major.
+  /// (T, J, 3), (T, J) 0..1, and (T, J) along an axis in `unit`, NaN where unknown; row-major.
   [[nodiscard]] std::vector<float>& positions() { return positions_; }
   [[nodiscard]] const std::vector<float>& positions() const { return positions_; }
   [[nodiscard]] std::vector<float>& confidence() { return confidence_; }

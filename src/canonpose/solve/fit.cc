@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-
 #include "canonpose/base/median.h"
 #include "canonpose/solve/rotation_averaging.h"
 
@@ -127,43 +125,6 @@ double Preference(const CaptureObservations& capture, std::span<const int> frame
   for (std::size_t i = 0; i < frames.size(); ++i) differences.push_back(of_b[i] - of_a[i]);
   const BlockMean difference = MeanOverBlocks(capture, frames, differences);
   return difference.blocks < 2 ? 0.0 : difference.mean / std::sqrt(difference.variance + 1e-12);
-}
-
-double JointUncertainty(const CaptureObservations& capture, int frame, int joint, const Solution& solution) {
-  const RigEstimate& estimate = solution.estimate;
-  const Eigen::Vector3d at = estimate.Joint(frame, joint);
-  if (!at.allFinite()) return std::nan("");
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  for (int v = 0; v < capture.view_count(); ++v) {
-    const CameraEstimate& camera = estimate.CameraAt(frame, v);
-    if (!camera.valid || !capture.Sees(frame, v, joint)) continue;
-    const double scatter =
-        solution.scales.observation.Scatter(joint, capture.confidence[capture.Index(frame, v, joint)]);
-    const Eigen::Vector3d in_camera = estimate.InCamera(frame, v, joint);
-    const double scale = estimate.ImageScale(frame, v, capture.skeleton.root);
-    const double error = (estimate.Project(frame, v, joint) - capture.At(frame, v, joint)).norm() / scale / scatter;
-    Eigen::Matrix<double, 2, 3> rows = camera.Rotation().topRows<2>();
-    rows -= in_camera.head<2>() / in_camera.z() * camera.Rotation().row(2);
-    information += CauchyWeight(error) / (scatter * scatter) * rows.transpose() * rows;
-  }
-  const std::vector<int>& parents = capture.skeleton.parents;
-  for (int other = 0; other < capture.joint_count(); ++other) {
-    const bool is_bone =
-        parents[static_cast<std::size_t>(joint)] == other || parents[static_cast<std::size_t>(other)] == joint;
-    if (!is_bone || !estimate.Joint(frame, other).allFinite()) continue;
-    const Eigen::Vector3d bone = at - estimate.Joint(frame, other);
-    // The joint at the other end is about as uncertain as this one.
-    const double scatter = std::hypot(solution.scales.bone * bone.norm(), solution.scales.observation.Typical());
-    information += bone.normalized() * bone.normalized().transpose() / (scatter * scatter);
-  }
-  if (!solution.scales.acceleration.empty()) {
-    const double scatter = 3.0 * solution.scales.acceleration[static_cast<std::size_t>(joint)] +
-                           2.0 * solution.scales.observation.Typical();
-    information += Eigen::Matrix3d::Identity() / (scatter * scatter);
-  }
-  const double least =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(information, Eigen::EigenvaluesOnly).eigenvalues()[0];
-  return least > 0.0 ? 1.0 / std::sqrt(least) : std::nan("");
 }
 
 }  // namespace canonpose

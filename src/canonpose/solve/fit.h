@@ -85,8 +85,4 @@ BlockMean MeanOverBlocks(const CaptureObservations& capture, std::span<const int
 double Preference(const CaptureObservations& capture, std::span<const int> frames, const Solution& a,
                   const Solution& b);
 
-/// The standard deviation of a joint along its most uncertain direction, from the views that see it, the lengths of its
-/// bones and the smoothness of its motion, in body units. NaN where the joint is not solved.
-double JointUncertainty(const CaptureObservations& capture, int frame, int joint, const Solution& solution);
-
 }  // namespace canonpose

@@ -2,12 +2,10 @@
 
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include "canonpose/solve/exact_rig_testing.h"
 #include "canonpose/solve/frame_choice.h"
-#include "canonpose/solve/initialisation.h"
 
 namespace canonpose {
 namespace {
@@ -104,57 +102,6 @@ TEST(MeasureNoise, FindsTheNoiseThatWasAdded) {
   const NoiseModel noise = MeasureNoise(rig.capture, ConsecutiveFrames(0, 100), rig.truth);
   EXPECT_NEAR(noise.Typical(), kNoise, 0.03 * kNoise);
   for (int j = 0; j < rig.capture.joint_count(); ++j) EXPECT_NEAR(noise.Scatter(j, 1.0), kNoise, 0.2 * kNoise) << j;
-}
-
-TEST(JointUncertainty, IsTheScatterOfTriangulatedJoints) {
-  // The same joint in front of the same cameras, again and again, without help from bones and smoothness.
-  constexpr int kTimes = 1000;
-  ExactRigOptions options;
-  options.frames = 1;
-  const ExactRig once = MakeExactRig(options);
-  options.frames = kTimes;
-  ExactRig rig = MakeExactRig(options);
-  for (int n = 0; n < kTimes; ++n) {
-    for (int j = 0; j < rig.capture.joint_count(); ++j) rig.truth.Joint(n, j) = once.truth.Joint(0, j);
-  }
-  testing::SeeJoints(rig.truth, kNoise, 12, rig.capture);
-  Solution solution;
-  solution.estimate = rig.truth;
-  solution.scales.observation = MeasureNoise(rig.capture, ConsecutiveFrames(0, kTimes), rig.truth);
-  solution.scales.bone = 1e6;
-  for (const int joint : {3, 9, 16}) {
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    double expected = 0.0;
-    for (int n = 0; n < kTimes; ++n) {
-      const Eigen::Vector3d found = TriangulateJoint(rig.capture, n, joint, solution.scales, rig.truth).point;
-      const Eigen::Vector3d error = found - rig.truth.Joint(n, joint);
-      covariance += error * error.transpose() / kTimes;
-      solution.estimate.Joint(n, joint) = found;
-      expected += JointUncertainty(rig.capture, n, joint, solution) / kTimes;
-    }
-    const double worst = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues()[2]);
-    EXPECT_NEAR(expected / worst, 1.0, 0.25) << joint;
-  }
-}
-
-TEST(JointUncertainty, FallsWithViewsBonesAndSmoothness) {
-  ExactRig rig = NoisyRig(3);
-  Solution solution;
-  solution.estimate = rig.truth;
-  solution.scales.observation = NoiseModel(kNoise);
-  const auto uncertainty = [&] { return JointUncertainty(rig.capture, 1, 6, solution); };
-  const double usual = uncertainty();
-  solution.scales.acceleration.assign(static_cast<std::size_t>(rig.capture.joint_count()), 1e-4);
-  EXPECT_LT(uncertainty(), usual);
-  solution.scales.acceleration.clear();
-  solution.scales.bone = 1.0;
-  EXPECT_GT(uncertainty(), usual);
-  solution.scales.bone = AdjustmentScales{}.bone;
-  testing::Hide(rig.capture, 1, 0, 6);
-  testing::Hide(rig.capture, 1, 1, 6);
-  EXPECT_GT(uncertainty(), usual);
-  solution.estimate.Joint(1, 6).setConstant(std::nan(""));
-  EXPECT_TRUE(std::isnan(uncertainty()));
 }
 
 TEST(MeasureAccelerations, SeparatesThemFromErrors) {

@@ -206,6 +206,40 @@ TEST(TriangulateFrame, PutsWhatOneViewSeesBesideItsParent) {
   }
 }
 
+TEST(TriangulateFrame, TakesTheDirectionBetweenOppositeViewsFromTheStart) {
+  ExactRigOptions options;
+  options.views = 2;
+  ExactRig rig = MakeExactRig(options);
+  // The second camera is opposite the first but for 4 degrees.
+  rig.truth.cameras[1] = rig.truth.cameras[0];
+  const Eigen::Vector3d axis = rig.truth.cameras[0].Rotation().row(1).transpose();
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(176.0 * M_PI / 180.0, axis).toRotationMatrix();
+  rig.truth.cameras[1].SetRotation(rig.truth.cameras[0].Rotation() * turn.transpose());
+  constexpr double kNoise = 0.004;
+  testing::SeeJoints(rig.truth, kNoise, 9, rig.capture);
+  AdjustmentScales scales;
+  scales.observation = NoiseModel(kNoise);
+  double alone = 0.0;
+  double steadied = 0.0;
+  RigEstimate estimate = rig.truth;
+  const int root = rig.capture.skeleton.root;
+  for (int n = 0; n < rig.capture.frame_count; ++n) {
+    for (int j = 0; j < rig.capture.joint_count(); ++j) {
+      const Eigen::Vector3d seen = rig.truth.InCamera(n, 1, j) - rig.truth.InCamera(n, 1, root);
+      Eigen::Vector3f::Map(&rig.capture.start[3 * rig.capture.Index(n, 1, j)]) = seen.cast<float>();
+    }
+    TriangulateFrame(rig.capture, n, scales, false, estimate);
+    const Eigen::Vector3d root_alone = TriangulateJoint(rig.capture, n, root, scales, rig.truth).point;
+    for (int j = 0; j < rig.capture.joint_count(); ++j) {
+      const Eigen::Vector3d truth = rig.truth.Joint(n, j) - rig.truth.Joint(n, root);
+      const Eigen::Vector3d joint_alone = TriangulateJoint(rig.capture, n, j, scales, rig.truth).point;
+      alone += (joint_alone - root_alone - truth).norm();
+      steadied += (estimate.Joint(n, j) - estimate.Joint(n, root) - truth).norm();
+    }
+  }
+  EXPECT_LT(steadied, 0.5 * alone);
+}
+
 TEST(MeasureBones, TakesEachSubjectsMedians) {
   ExactRigOptions options;
   options.clips = 2;

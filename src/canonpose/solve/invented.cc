@@ -17,7 +17,7 @@ constexpr double kLowConfidence = 0.5;
 /// of a typical keypoint. Joints that the body hides scatter by up to 0.015.
 constexpr double kFar = 0.03;
 constexpr double kFarScatters = 6.0;
-/// By how many the far keypoints must outnumber the near ones.
+/// By how many the far keypoints must outnumber the near ones, or the near ones the far ones above a confidence.
 constexpr int kMinMajority = 10;
 
 double MedianConfidence(const CaptureObservations& capture) {
@@ -33,8 +33,9 @@ struct Judged {
   bool is_far;
 };
 
-/// The confidence up to which keypoints are invented; 0 where none are.
-double LargestInvented(std::vector<Judged> keypoints) {
+/// The confidence up to which keypoints are invented: `low` unless clearly more of those above some confidence are
+/// near; 0 where none are invented.
+double LargestInvented(std::vector<Judged> keypoints, double low) {
   std::ranges::sort(keypoints, {}, &Judged::confidence);
   double largest = 0.0;
   int majority = 0;
@@ -47,7 +48,7 @@ double LargestInvented(std::vector<Judged> keypoints) {
     best = majority;
     largest = keypoints[i].confidence;
   }
-  return largest;
+  return largest > 0.0 && best - majority < kMinMajority ? low : largest;
 }
 
 }  // namespace
@@ -58,11 +59,11 @@ int RemoveInvented(std::span<const int> frames, const Solution& solution, Captur
   std::vector<std::vector<Judged>> keypoints(capture.Index(1, 0, 0));  // (V, J)
   VisitErrors(capture, frames, solution.estimate, [&](int n, int v, int j, double error) {
     const double confidence = capture.confidence[capture.Index(n, v, j)];
-    if (confidence < low) keypoints[capture.Index(0, v, j)].push_back({confidence, error > far});
+    if (confidence <= low) keypoints[capture.Index(0, v, j)].push_back({confidence, error > far});
   });
   int removed = 0;
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    const double largest = LargestInvented(std::move(keypoints[i]));
+    const double largest = LargestInvented(std::move(keypoints[i]), low);
     if (largest <= 0.0) continue;
     for (std::size_t k = i; k < capture.confidence.size(); k += keypoints.size()) {
       if (!(capture.confidence[k] > 0.0F) || capture.confidence[k] > largest) continue;

@@ -12,7 +12,7 @@
 
 namespace canonpose {
 
-/// Removes, for each view and joint, the keypoints of low confidence (less than half of the capture's median) if most
+/// Removes, for each view and joint, the keypoints of low confidence (up to half of the capture's median) if most
 /// of them are nowhere near the joint that the solution shows: those up to the confidence that separates near and far
 /// best. They then count as not detected. `frames` (ascending) are those in which the solution is judged; keypoints are
 /// removed in all frames. Returns how many.

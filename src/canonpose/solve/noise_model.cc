@@ -25,7 +25,7 @@ double MedianOf(std::vector<KeypointError>::const_iterator first, std::vector<Ke
 
 }  // namespace
 
-NoiseModel::NoiseModel(std::vector<KeypointError> errors, int joint_count) {
+NoiseModel::NoiseModel(std::vector<KeypointError> errors, int joint_count, double min_factor) {
   if (errors.empty()) return;
   std::stable_sort(errors.begin(), errors.end(),
                    [](const KeypointError& a, const KeypointError& b) { return a.confidence < b.confidence; });
@@ -40,7 +40,7 @@ NoiseModel::NoiseModel(std::vector<KeypointError> errors, int joint_count) {
     double factor = MedianOf(first, last, length) / scatter_;
     if (!factors_.empty()) factor = std::min(factor, factors_.back());
     confidences_.push_back(confidence);
-    factors_.push_back(std::max(factor, 0.1));
+    factors_.push_back(std::max(factor, min_factor));
   }
   std::vector<std::vector<double>> relative(static_cast<std::size_t>(joint_count));
   joint_factors_.assign(static_cast<std::size_t>(joint_count), 1.0);

@@ -20,8 +20,9 @@ class NoiseModel {
   /// Before anything has been measured: `scatter` / confidence.
   explicit NoiseModel(double scatter) : scatter_(scatter) {}
   /// From medians of errors, which are robust against outliers. The errors are sorted by confidence and divided into up
-  /// to ten equal groups; a group's scatter is at most that of the group before. Then each joint's factor is measured.
-  NoiseModel(std::vector<KeypointError> errors, int joint_count);
+  /// to ten equal groups; a group's scatter is at most that of the group before, and at least `min_factor` times the
+  /// typical one. Then each joint's factor is measured.
+  NoiseModel(std::vector<KeypointError> errors, int joint_count, double min_factor = 0.1);
 
   [[nodiscard]] double Scatter(int joint, double confidence) const;
   /// The scatter of a typical keypoint.

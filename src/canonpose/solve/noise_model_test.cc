@@ -52,6 +52,17 @@ TEST(NoiseModel, OutliersMoveItLittle) {
   EXPECT_NEAR(NoiseModel(errors, 3).Scatter(0, 0.5), before, 0.15 * before);
 }
 
+TEST(NoiseModel, MayKeepConfidentKeypointsFromSeemingExact) {
+  std::vector<KeypointError> errors = Errors(3000);
+  for (KeypointError& error : errors) error.length *= error.confidence > 0.8 ? 0.01 : 1.0;
+  const NoiseModel free(errors, 3);
+  const NoiseModel held(errors, 3, 0.6);
+  EXPECT_LT(free.Scatter(0, 1.0), 0.3 * free.Typical());
+  EXPECT_GE(held.Scatter(0, 1.0), 0.6 * 0.25 * held.Typical());
+  EXPECT_GT(held.Scatter(0, 1.0), 1.5 * free.Scatter(0, 1.0));
+  EXPECT_DOUBLE_EQ(held.Typical(), free.Typical());
+}
+
 TEST(NoiseModel, NeverIsZero) {
   const NoiseModel model({{0, 1.0, 0.0}, {0, 0.5, 0.0}}, 1);
   EXPECT_GT(model.Scatter(0, 1.0), 0.0);

@@ -232,6 +232,72 @@ TEST(Solve, WindowsGiveWhatOneLargeWindowGives) {
   EXPECT_LT(differences[differences.size() * 99 / 100], 5e-4);
 }
 
+/// What a detector does that always writes all joints: joints that it does not see are anywhere, with low confidence.
+void Invent(const std::vector<std::string>& joints, const std::vector<std::size_t>& cameras, Dataset& dataset) {
+  Rng rng(5);
+  for (const std::size_t c : cameras) {
+    CameraView& view = dataset.sequences[0].cameras[c];
+    for (std::size_t i = 0; i < view.confidence.size(); ++i) {
+      const std::string& name = dataset.skeleton.joints[i % dataset.skeleton.joints.size()];
+      if (std::ranges::find(joints, name) == joints.end()) continue;
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        const auto middle = static_cast<double>(view.image_size[axis]) / 2.0;
+        view.keypoints[2 * i + axis] = static_cast<float>(middle + 150.0 * rng.Normal());
+      }
+      view.confidence[i] = static_cast<float>(rng.Uniform(0.05, 0.2));
+    }
+  }
+}
+
+void HideJoints(const std::vector<std::string>& joints, const std::vector<std::size_t>& cameras, Dataset& dataset) {
+  for (const std::size_t c : cameras) {
+    CameraView& view = dataset.sequences[0].cameras[c];
+    for (std::size_t i = 0; i < view.confidence.size(); ++i) {
+      const std::string& name = dataset.skeleton.joints[i % dataset.skeleton.joints.size()];
+      if (std::ranges::find(joints, name) == joints.end()) continue;
+      view.keypoints[2 * i] = view.keypoints[2 * i + 1] = std::nanf("");
+      view.confidence[i] = 0.0F;
+    }
+  }
+}
+
+double MeanErrorMm(const Dataset& dataset) {
+  const std::vector<double> errors = ErrorsMm(dataset.sequences[0], dataset.skeleton);
+  return std::accumulate(errors.begin(), errors.end(), 0.0) / static_cast<double>(errors.size());
+}
+
+TEST(Solve, AnInventedLimbCostsNoMoreThanAHiddenOne) {
+  SimulationOptions options = testing::SmallSimulation();
+  options.clips = 1;
+  Dataset hidden = testing::Simulate(options).dataset;
+  const StartPoses start = testing::NoisyTruth(hidden);
+  Dataset invented = hidden;
+  HideJoints({"LElbow", "LWrist"}, {0, 1}, hidden);
+  Invent({"LElbow", "LWrist"}, {0, 1}, invented);
+  Solve(hidden, start, {});
+  Solve(invented, start, {});
+  EXPECT_LT(MeanErrorMm(invented), 1.05 * MeanErrorMm(hidden));
+}
+
+TEST(Solve, AJointThatIsInventedEverywhereIsMissing) {
+  SimulationOptions options = testing::SmallSimulation();
+  options.clips = 1;
+  options.detector.swaps = 0.0;  // corrected, they make the right wrist the left one
+  Dataset dataset = testing::Simulate(options).dataset;
+  Invent({"LWrist"}, {0, 1, 2, 3}, dataset);
+  Solve(dataset, testing::NoisyTruth(dataset), {});
+  const auto wrist =
+      static_cast<int>(std::ranges::find(dataset.skeleton.joints, "LWrist") - dataset.skeleton.joints.begin());
+  for (const CameraView& view : dataset.sequences[0].cameras) {
+    int known = 0;
+    for (int t = 0; t < view.solved.frame_count(); ++t) {
+      known += view.solved.IsKnown(t, wrist) ? 1 : 0;
+      EXPECT_TRUE(view.solved.IsKnown(t, wrist + 1)) << t;
+    }
+    EXPECT_EQ(known, 0) << view.name;
+  }
+}
+
 /// Delays a camera: its frame n becomes what its frame n - frames was.
 void Delay(CameraView& view, int joints, int frames) {
   const auto delay = [&](std::vector<float>& values, std::size_t width, float none) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "canonpose/solve/fit.h"
+#include "canonpose/solve/uncertainty.h"
 
 namespace canonpose {
 namespace {
@@ -66,7 +66,7 @@ void CorrectKeypoints(const Skeleton& skeleton, const ViewReading& reading, Came
 struct JointStates {
   std::vector<bool> written;  ///< the joint is seen, or its neighbours in time carry it
   std::vector<bool> seen;     ///< by a view that has a camera
-  std::vector<float> uncertainty;
+  std::vector<double> uncertainty;
 };
 
 JointStates StatesOf(const CaptureObservations& capture, const Solution& solution) {
@@ -79,9 +79,9 @@ JointStates StatesOf(const CaptureObservations& capture, const Solution& solutio
         seen = seen || (capture.Sees(n, v, j) && solution.estimate.CameraAt(n, v).valid);
       }
       states.seen.push_back(seen);
-      states.uncertainty.push_back(static_cast<float>(JointUncertainty(capture, n, j, solution)));
     }
   }
+  states.uncertainty = MeasureUncertainty(capture, solution);
   states.written = states.seen;
   for (const ClipRange& clip : capture.clips) {
     const int reach = static_cast<int>(kCarriedSeconds * clip.fps);
@@ -162,7 +162,7 @@ PoseSequence ViewWriter::Poses(const ViewCorrection& correction, const Skeleton&
       const std::size_t i = static_cast<std::size_t>(t) * static_cast<std::size_t>(skeleton.joint_count()) +
                             static_cast<std::size_t>(joint);
       solved.PoseAt(t).row(joint) = position.cast<float>().transpose();
-      solved.standard_deviation()[i] = states_.uncertainty[nearest];
+      solved.standard_deviation()[i] = static_cast<float>(states_.uncertainty[nearest]);
       solved.confidence()[i] = states_.seen[nearest] ? 1.0F : 0.0F;
     }
   }

@@ -60,6 +60,18 @@ function(canonpose_module name)
   endif()
 endfunction()
 
+# canonpose_share_test_headers(TEST): GoogleTest and Eigen are compiled once for all tests. As an executable, because its flags must be theirs.
+function(canonpose_share_test_headers test)
+  if(NOT TARGET canonpose_test_headers)
+    file(WRITE ${PROJECT_BINARY_DIR}/test_headers.cc "int main() {}\n")
+    add_executable(canonpose_test_headers EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/test_headers.cc)
+    target_link_libraries(canonpose_test_headers PRIVATE canonpose_options GTest::gmock Eigen3::Eigen)
+    target_compile_options(canonpose_test_headers PRIVATE $<$<CONFIG:Release>:-O1>)
+    target_precompile_headers(canonpose_test_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Geometry> <filesystem> <vector>)
+  endif()
+  target_precompile_headers(${test} REUSE_FROM canonpose_test_headers)
+endfunction()
+
 # canonpose_test(NAME SOURCES ... [TORCH_SOURCES ...] LINKS ...): one GoogleTest program, one ctest entry. CANONPOSE_TESTDATA is the
 # project's own small inputs; CANONPOSE_SHARED the data beside the checkout, which may be absent.
 function(canonpose_test name)
@@ -68,6 +80,9 @@ function(canonpose_test name)
   target_link_libraries(${name} PRIVATE canonpose_options ${ARG_LINKS} GTest::gmock_main)
   # Tests may use the same name for their own fixtures.
   set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
+  if(CMAKE_UNITY_BUILD)
+    canonpose_share_test_headers(${name})
+  endif()
   set(targets ${name})
   if(ARG_TORCH_SOURCES)
     canonpose_torch_objects(${name}_torch SOURCES ${ARG_TORCH_SOURCES} LINKS ${ARG_LINKS} GTest::gmock)

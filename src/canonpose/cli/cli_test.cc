@@ -387,7 +387,7 @@ TEST(Program, MorphsADetectorsJoints) {
   EXPECT_EQ(overwriting.exit_code, 2);
   EXPECT_THAT(overwriting.message(), HasSubstr("would be overwritten"));
   const Outcome trained = Execute({"train", folder / "a.h5", "-o", folder / "run", "--morph", folder / "morph",
-                                   "--epochs", "1", "--width", "16", "--threads", "1"});
+                                   "--preset", "martinez", "--epochs", "1", "--width", "16", "--threads", "1"});
   EXPECT_EQ(trained.exit_code, 0) << trained.errors;
   EXPECT_THAT(Execute({"info", folder / "run"}).output, HasSubstr("go through a network of width 64 first"));
   ASSERT_EQ(Execute({"import", "openpose", TestData("detections/openpose"), "-o", folder / "moved.h5", "--image-size",

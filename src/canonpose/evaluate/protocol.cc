@@ -83,9 +83,9 @@ const Protocol& FindProtocol(const std::string& name) {
   for (const Protocol& protocol : Protocols()) {
     if (SameName(protocol.name, name)) return protocol;
   }
-  std::vector<std::string> lines;
-  for (const Protocol& protocol : Protocols()) lines.push_back(fmt::format("{}: {}", protocol.name, protocol.summary));
-  ThrowInvalidArgument("there is no `protocol` {}; the protocols are\n  {}", name, fmt::join(lines, "\n  "));
+  std::vector<std::string> names;
+  for (const Protocol& protocol : Protocols()) names.push_back(protocol.name);
+  ThrowInvalidArgument("there is no `protocol` {}; the protocols are {}", name, fmt::join(names, ", "));
 }
 
 std::string HeadlineName(const Protocol& protocol) {

@@ -144,13 +144,13 @@ TEST_P(AView, ThatLostFramesIsFound) {
 }
 
 TEST_P(AView, OfAMotionThatRepeatsItselfIsLeftOutWhereFramesWereLost) {
-  // Steps of 20 frames from frame 60 on: 7 lost frames, or 27, or 47?
+  // Steps of 20 frames from frame 60 on: 10 lost frames, or 30, or 50?
   for (int t = 80; t < kFrames; ++t) {
     for (int j = 0; j < rig_.truth.joint_count; ++j) rig_.truth.Joint(t, j) = rig_.truth.Joint(t - 20, j);
   }
   testing::SeeJoints(rig_.truth, kScatter, 3, rig_.capture);
   recorded_ = rig_.capture;
-  Take([](int t) { return t < 80 ? t : t + 7; });
+  Take([](int t) { return t < 80 ? t : t + 10; });
   const ViewExamination found = Examine();
   ASSERT_TRUE(found.fits);
   ASSERT_THAT(found.bad, Not(IsEmpty()));

@@ -111,14 +111,21 @@ bool AnswerOne(const ChildProcess::Answer& answer, std::string_view question, in
   return SendMessage(socket, head, text);
 }
 
+/// In the child alone: the program's own handlers stay as they are.
+void Handle(int number, sighandler_t handler) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  sigaction(number, &action, nullptr);
+}
+
 /// The child's whole life.
 [[noreturn]] void Live(const ChildProcess::Answer& answer, const ChildProcess::Limits& limits, rlim_t address_space,
                        int socket) noexcept {
   // Handlers of the program or of a debugging tool are for its own crashes. Here they are expected, and leave no core
   // dump.
-  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXCPU}) std::signal(signal, SIG_DFL);
+  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXCPU}) Handle(signal, SIG_DFL);
   // A terminal sends these to both. What to do about them is the other process's business; this one ends with it.
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, SIG_IGN);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) Handle(signal, SIG_IGN);
   Silence();
   Limit(RLIMIT_CORE, 0);
   Limit(RLIMIT_AS, address_space + limits.memory_bytes);

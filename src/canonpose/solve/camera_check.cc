@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -144,8 +145,12 @@ class Examination {
   [[nodiscard]] std::optional<Consensus> FindConsensus(const std::vector<ViewSigns>& signs) const;
   [[nodiscard]] std::optional<Consensus> ConsensusWithout(const std::vector<ViewSigns>& signs) const;
   [[nodiscard]] std::optional<Consensus> ConsensusOfPairs(const std::vector<ViewSigns>& signs) const;
+  /// The views that are known but not part of the consensus.
+  [[nodiscard]] std::vector<int> Others(const Consensus& consensus, const std::vector<ViewSigns>& signs) const;
   /// How many of the other views fit the motion that the consensus shows, as they are.
   [[nodiscard]] int CountFollowers(const Consensus& consensus, const std::vector<ViewSigns>& signs) const;
+  /// How many of the other views fit it mirrored, at another time or at another rate.
+  [[nodiscard]] int CountReadable(const Consensus& consensus, const std::vector<ViewSigns>& signs) const;
   /// The median log focal length of the views that agree.
   [[nodiscard]] double FocalOf(const Consensus& consensus, int clip) const;
   void Correct(const Consensus& consensus, int view);
@@ -191,12 +196,19 @@ std::optional<Consensus> Examination::ConsensusWithout(const std::vector<ViewSig
   return std::nullopt;
 }
 
+std::vector<int> Examination::Others(const Consensus& consensus, const std::vector<ViewSigns>& signs) const {
+  std::vector<int> others;
+  for (int v = 0; v < capture_.view_count(); ++v) {
+    const bool agrees = std::ranges::find(consensus.views, v) != consensus.views.end();
+    if (!agrees && signs[static_cast<std::size_t>(v)].known) others.push_back(v);
+  }
+  return others;
+}
+
 int Examination::CountFollowers(const Consensus& consensus, const std::vector<ViewSigns>& signs) const {
   int followers = 0;
   const KnownMotion motion(consensus.capture, consensus.solution, 0);
-  for (int v = 0; v < capture_.view_count(); ++v) {
-    if (!signs[static_cast<std::size_t>(v)].known || std::ranges::find(consensus.views, v) != consensus.views.end())
-      continue;
+  for (const int v : Others(consensus, signs)) {
     const double share =
         ShareThatFits(original_, 0, v, motion, FocalOf(consensus, 0), consensus.solution.scales.observation.Typical());
     followers += share > 0.9 ? 1 : 0;
@@ -204,26 +216,46 @@ int Examination::CountFollowers(const Consensus& consensus, const std::vector<Vi
   return followers;
 }
 
+int Examination::CountReadable(const Consensus& consensus, const std::vector<ViewSigns>& signs) const {
+  const KnownMotion motion(consensus.capture, consensus.solution, 0);
+  const double scatter = consensus.solution.scales.observation.Typical();
+  int readable = 0;
+  for (const int v : Others(consensus, signs)) {
+    const ViewExamination found = ExamineView(original_, 0, v, motion, FocalOf(consensus, 0), scatter);
+    readable += found.fits && found.reading.time.rate > 0.0 ? 1 : 0;
+  }
+  return readable;
+}
+
 std::optional<Consensus> Examination::ConsensusOfPairs(const std::vector<ViewSigns>& signs) const {
-  std::optional<Consensus> best;
   const auto known = static_cast<std::size_t>(std::ranges::count_if(signs, &ViewSigns::known));
   const double with_all = PerDegreeOfFreedom(CappedError(capture_, solution_), known);
-  int most = -1;
+  std::vector<Consensus> candidates;
+  int most = 0;
   std::size_t tried = 0;
   for (int v = 0; v < capture_.view_count(); ++v) {
-    for (int w = v + 1; w < capture_.view_count(); ++w) {
+    for (int w = v + 1; w < capture_.view_count() && tried < kMaxPairs; ++w) {
       if (!signs[static_cast<std::size_t>(v)].known || !signs[static_cast<std::size_t>(w)].known) continue;
-      if (tried++ == kMaxPairs) return best;
+      ++tried;
       std::optional<Consensus> candidate = Agree(original_, calibrate_quickly_, {v, w});
       if (!candidate || candidate->error > kPairGain * with_all) continue;
       const int followers = CountFollowers(*candidate, signs);
-      if (followers < most || (followers == most && candidate->error >= best->error)) continue;
+      if (followers < most) continue;
+      if (followers > most) candidates.clear();
       most = followers;
-      best = std::move(candidate);
-      best->is_as_recorded = true;
+      candidate->is_as_recorded = true;
+      candidates.push_back(*std::move(candidate));
     }
   }
-  return best;
+  if (candidates.empty()) return std::nullopt;
+  // Two of four cameras at half the rate agree with each other as well as the other two do. The rest can be read
+  // against either pair, but the slow one, fast-forwarded, ends in the middle of the clip.
+  const auto rank = [&](const Consensus& pair) {
+    const int readable = most == 0 && candidates.size() > 1 ? CountReadable(pair, signs) : 0;
+    const int frames = static_cast<int>(FramesWithStart(pair.capture).size());
+    return std::tuple(readable, 10 * frames / capture_.frame_count, -pair.error);
+  };
+  return *std::ranges::max_element(candidates, {}, rank);
 }
 
 std::optional<Consensus> Examination::FindConsensus(const std::vector<ViewSigns>& signs) const {
@@ -278,10 +310,7 @@ bool Examination::Run() {
     for (std::vector<ViewCorrection>& corrections : check_.corrections) corrections[static_cast<std::size_t>(v)] = {};
   }
   const CaptureObservations before = capture_;
-  for (int v = 0; v < capture_.view_count(); ++v) {
-    const bool agrees = std::ranges::find(consensus->views, v) != consensus->views.end();
-    if (!agrees && signs[static_cast<std::size_t>(v)].known) Correct(*consensus, v);
-  }
+  for (const int v : Others(*consensus, signs)) Correct(*consensus, v);
   if (capture_.xy == before.xy && capture_.confidence == before.confidence) return false;
   solution_ = calibrate_(capture_);
   return true;

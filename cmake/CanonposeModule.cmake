@@ -18,6 +18,8 @@ if(CANONPOSE_SANITIZE)
   target_compile_options(canonpose_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
                                                      -fno-omit-frame-pointer)
   target_link_options(canonpose_options INTERFACE -fsanitize=address,undefined)
+  # Under AddressSanitizer, Eigen allocates otherwise than in Debian's libceres, and each frees what the other allocated.
+  target_compile_definitions(canonpose_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
 if(CANONPOSE_FUZZ)
   target_compile_options(canonpose_options INTERFACE -fsanitize=fuzzer-no-link)

@@ -34,7 +34,7 @@ TEST(ProtocolTest, AnUnknownNameListsTheProtocols) {
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInvalidArgument);
     for (const Protocol& protocol : Protocols()) {
-      EXPECT_THAT(error.what(), HasSubstr("\n  " + protocol.name + ": " + protocol.summary));
+      EXPECT_THAT(error.what(), HasSubstr(" " + protocol.name));
     }
   }
 }

@@ -185,7 +185,7 @@ TEST(Mpi3dhpTestTest, NaNIsAMissingJoint) {
   BenchmarkOptions options = Options("3dhp-test", {path});
   options.skeleton = "native";
   options.image_size = {2048, 2048};
-  const CameraView& view = Import(options).dataset.sequences[0].cameras[0];
+  const CameraView view = Import(options).dataset.sequences[0].cameras[0];
   int missing = 0;
   for (int joint = 0; joint < 17; ++joint) missing += view.truth.IsKnown(0, joint) ? 0 : 1;
   EXPECT_EQ(missing, 1);

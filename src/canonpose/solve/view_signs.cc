@@ -17,7 +17,7 @@ constexpr double kOutlyingScatters = 5.0;
 // Measured by experiments/damaged on good captures and on captures that were damaged.
 constexpr double kAlarmingDisagreement = 0.012;
 constexpr double kAlarmingWindow = 0.05;
-constexpr double kAlarmingOutliers = 0.08;
+constexpr double kAlarmingOutliers = 0.12;
 
 /// How much of the distance between a keypoint and a joint that other views triangulate is the keypoint's own: its
 /// scatter relative to that of both together, in the view's image.

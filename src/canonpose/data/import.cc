@@ -38,8 +38,8 @@ constexpr float kFarOutside = 0.1F;
 /// If this fraction of the keypoints is far outside, the image size is wrong.
 constexpr double kManyOutside = 0.02;
 /// Of the keypoints' centre, as a fraction of the image: about 0.35 for a video of half the size or with width and
-/// height exchanged, up to 0.21 where the size is right but only arms and head are detected.
-constexpr double kClearlyOffCentre = 0.25;
+/// height exchanged, up to 0.26 where the size is right but only arms and head are detected.
+constexpr double kClearlyOffCentre = 0.3;
 /// No detector's confidences exceed this; AlphaPose's, which are maxima of heat maps, reach about 6.
 constexpr float kLargestConfidence = 100.0F;
 /// Nor does one exceed both this and kOutlierFactor times the value that 99 % of them stay below.

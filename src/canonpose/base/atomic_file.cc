@@ -179,6 +179,11 @@ void RequireOutputIsNotAnInput(const fs::path& output, const std::vector<fs::pat
   }
 }
 
+void RequireSeparateOutputs(const fs::path& one, const fs::path& other, std::string_view both) {
+  if (one.empty() || fs::weakly_canonical(one) != fs::weakly_canonical(other)) return;
+  ThrowInvalidArgument("{} cannot hold both {}: give two files", one.string(), both);
+}
+
 std::string ReadFile(const fs::path& path) {
   const auto fail = [&path](int error_number) {
     ThrowBadInput({path.string(), "", "a file that can be read", std::strerror(error_number), "check the path"});

@@ -70,6 +70,11 @@ void AppendLine(const std::filesystem::path& path, const std::string& line);
 /// any work is done. Empty paths are ignored, and so are inputs that do not exist.
 void RequireOutputIsNotAnInput(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs);
 
+/// Throws Error(kInvalidArgument) where two outputs are one file; `both` says what it cannot hold. An empty path is no
+/// output.
+void RequireSeparateOutputs(const std::filesystem::path& one, const std::filesystem::path& other,
+                            std::string_view both);
+
 /// The whole file. Throws Error(kBadInput) where it cannot be read.
 std::string ReadFile(const std::filesystem::path& path);
 

@@ -54,6 +54,16 @@ TEST(RequireOutputIsNotAnInput, KnowsAFileByWhateverName) {
   }
 }
 
+TEST(RequireSeparateOutputs, KnowsAFileByWhateverName) {
+  const TemporaryFolder folder;
+  RequireSeparateOutputs(folder / "a.h5", folder / "a.json", "data and report");
+  RequireSeparateOutputs(folder / "a.h5", "", "data and report");
+  RequireSeparateOutputs("", "", "data and report");
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument,
+                      [&] { RequireSeparateOutputs(folder / "a.h5", folder / "./a.h5", "data and report"); }),
+              HasSubstr("cannot hold both data and report: give two files"));
+}
+
 TEST(AtomicFile, MissingFolderIsOneLine) {
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [] { WriteFileAtomically("/nonexistent/a", ""); }),
               AllOf(HasSubstr("/nonexistent/a"), HasSubstr("No such file or directory")));

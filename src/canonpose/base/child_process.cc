@@ -140,6 +140,17 @@ void Handle(int number, sighandler_t handler) {
 
 }  // namespace
 
+ChildProcess::Limits ChildProcess::Limits::ForFile(const std::filesystem::path& path, std::size_t memory_per_byte) {
+  std::error_code error;
+  std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (error) bytes = 0;
+  constexpr double kBytesPerSecond = 10e6;
+  Limits limits;
+  limits.cpu_seconds = 1.0 + static_cast<double>(bytes) / kBytesPerSecond;
+  limits.memory_bytes += memory_per_byte * bytes;
+  return limits;
+}
+
 ChildProcess::ChildProcess(Answer answer, const Limits& limits) : answer_(std::move(answer)), limits_(limits) {
   int sockets[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets) != 0) return;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -22,6 +23,9 @@ class ChildProcess {
   struct Limits {
     double cpu_seconds = 10.0;                        ///< for one answer
     std::size_t memory_bytes = std::size_t{1} << 30;  ///< beyond what this process has; no answer is longer
+
+    /// Far more than a library needs for a sound file of this size, of which it makes `memory_per_byte` times as much.
+    static Limits ForFile(const std::filesystem::path& path, std::size_t memory_per_byte);
   };
 
   /// Where the system has no child to give, questions are answered in this process.

@@ -14,6 +14,9 @@
 namespace canonpose::h5 {
 namespace {
 
+/// Arrays are decompressed and converted, and the child has them twice.
+constexpr std::size_t kMemoryPerByte = 16;
+
 void Put(ByteWriter& writer, bool value) { writer.Number<std::uint8_t>(value ? 1 : 0); }
 void Put(ByteWriter& writer, double value) { writer.Number(value); }
 void Put(ByteWriter& writer, const std::vector<std::string>& values) { writer.Texts(values); }
@@ -118,22 +121,10 @@ ChildProcess::Answer Answerer(std::function<File()> open) {
   };
 }
 
-/// Far more than a sound file of this size needs. Arrays are decompressed and converted, and the child has them twice.
-ChildProcess::Limits LimitsFor(const std::filesystem::path& path) {
-  std::error_code error;
-  std::uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (error) bytes = 0;
-  constexpr double kBytesPerSecond = 10e6;
-  ChildProcess::Limits limits;
-  limits.cpu_seconds = 1.0 + static_cast<double>(bytes) / kBytesPerSecond;
-  limits.memory_bytes = (std::size_t{1} << 30) + 16 * bytes;
-  return limits;
-}
-
 }  // namespace
 
 FileInChild::FileInChild(const std::filesystem::path& path, std::function<File()> open)
-    : path_(path.string()), child_(Answerer(std::move(open)), LimitsFor(path)) {
+    : path_(path.string()), child_(Answerer(std::move(open)), ChildProcess::Limits::ForFile(path, kMemoryPerByte)) {
   Ask<bool>(Question::kOpenFile, "/", "");
 }
 

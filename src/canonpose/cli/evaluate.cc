@@ -109,10 +109,7 @@ void RunEvaluate(const EvaluateArguments& arguments, const CLI::App& app) {
   std::vector<fs::path> inputs = arguments.paths;
   inputs.insert(inputs.end(), {arguments.predictions, arguments.truth});
   for (const fs::path& output : {arguments.json, arguments.frame_errors}) RequireOutputIsNotAnInput(output, inputs);
-  if (!arguments.json.empty() && fs::weakly_canonical(arguments.json) == fs::weakly_canonical(arguments.frame_errors)) {
-    ThrowInvalidArgument("{} cannot hold both the figures and the errors of single poses: give two files",
-                         arguments.json.string());
-  }
+  RequireSeparateOutputs(arguments.json, arguments.frame_errors, "the figures and the errors of single poses");
   FrameErrors frame_errors;
   FrameErrors* wanted = arguments.frame_errors.empty() ? nullptr : &frame_errors;
   const bool archives = !arguments.predictions.empty() || !arguments.truth.empty();

@@ -52,10 +52,7 @@ void RunSolve(const SolveArguments& arguments) {
   std::vector<fs::path> inputs = arguments.data;
   inputs.push_back(arguments.bootstrap.model);
   for (const fs::path& output : {arguments.output, arguments.json}) RequireOutputIsNotAnInput(output, inputs);
-  if (!arguments.json.empty() && fs::weakly_canonical(arguments.json) == fs::weakly_canonical(arguments.output)) {
-    ThrowInvalidArgument("{} cannot hold both the solved dataset and the report: give two files",
-                         arguments.output.string());
-  }
+  RequireSeparateOutputs(arguments.output, arguments.json, "the solved dataset and the report");
   { const AtomicFile probe(arguments.output); }  // before minutes of work
   Dataset dataset = ReadAll(arguments);
   BootstrapOptions bootstrap = arguments.bootstrap;

@@ -250,12 +250,14 @@ std::optional<Consensus> Examination::ConsensusOfPairs(const std::vector<ViewSig
   if (candidates.empty()) return std::nullopt;
   // Two of four cameras at half the rate agree with each other as well as the other two do. The rest can be read
   // against either pair, but the slow one, fast-forwarded, ends in the middle of the clip.
-  const auto rank = [&](const Consensus& pair) {
+  std::vector<std::tuple<int, int, double>> ranks;
+  for (const Consensus& pair : candidates) {
     const int readable = most == 0 && candidates.size() > 1 ? CountReadable(pair, signs) : 0;
     const int frames = static_cast<int>(FramesWithStart(pair.capture).size());
-    return std::tuple(readable, 10 * frames / capture_.frame_count, -pair.error);
-  };
-  return *std::ranges::max_element(candidates, {}, rank);
+    ranks.emplace_back(readable, 10 * frames / capture_.frame_count, -pair.error);
+  }
+  const auto best = std::ranges::max_element(ranks) - ranks.begin();
+  return std::move(candidates[static_cast<std::size_t>(best)]);
 }
 
 std::optional<Consensus> Examination::FindConsensus(const std::vector<ViewSigns>& signs) const {

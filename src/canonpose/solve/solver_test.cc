@@ -232,33 +232,36 @@ TEST(Solve, WindowsGiveWhatOneLargeWindowGives) {
   EXPECT_LT(differences[differences.size() * 99 / 100], 5e-4);
 }
 
-/// What a detector does that always writes all joints: joints that it does not see are anywhere, with low confidence.
-void Invent(const std::vector<std::string>& joints, const std::vector<std::size_t>& cameras, Dataset& dataset) {
-  Rng rng(5);
+/// Calls change(view, i) for every keypoint i of some joints in some cameras.
+template <typename Change>
+void ChangeKeypoints(const std::vector<std::string>& joints, const std::vector<std::size_t>& cameras, Dataset& dataset,
+                     Change&& change) {
   for (const std::size_t c : cameras) {
     CameraView& view = dataset.sequences[0].cameras[c];
     for (std::size_t i = 0; i < view.confidence.size(); ++i) {
       const std::string& name = dataset.skeleton.joints[i % dataset.skeleton.joints.size()];
-      if (std::ranges::find(joints, name) == joints.end()) continue;
-      for (std::size_t axis = 0; axis < 2; ++axis) {
-        const auto middle = static_cast<double>(view.image_size[axis]) / 2.0;
-        view.keypoints[2 * i + axis] = static_cast<float>(middle + 150.0 * rng.Normal());
-      }
-      view.confidence[i] = static_cast<float>(rng.Uniform(0.05, 0.2));
+      if (std::ranges::find(joints, name) != joints.end()) change(view, i);
     }
   }
 }
 
-void HideJoints(const std::vector<std::string>& joints, const std::vector<std::size_t>& cameras, Dataset& dataset) {
-  for (const std::size_t c : cameras) {
-    CameraView& view = dataset.sequences[0].cameras[c];
-    for (std::size_t i = 0; i < view.confidence.size(); ++i) {
-      const std::string& name = dataset.skeleton.joints[i % dataset.skeleton.joints.size()];
-      if (std::ranges::find(joints, name) == joints.end()) continue;
-      view.keypoints[2 * i] = view.keypoints[2 * i + 1] = std::nanf("");
-      view.confidence[i] = 0.0F;
+/// What a detector does that always writes all joints: joints that it does not see are anywhere, with low confidence.
+void Invent(const std::vector<std::string>& joints, const std::vector<std::size_t>& cameras, Dataset& dataset) {
+  Rng rng(5);
+  ChangeKeypoints(joints, cameras, dataset, [&](CameraView& view, std::size_t i) {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const auto middle = static_cast<double>(view.image_size[axis]) / 2.0;
+      view.keypoints[2 * i + axis] = static_cast<float>(middle + 150.0 * rng.Normal());
     }
-  }
+    view.confidence[i] = static_cast<float>(rng.Uniform(0.05, 0.2));
+  });
+}
+
+void HideJoints(const std::vector<std::string>& joints, const std::vector<std::size_t>& cameras, Dataset& dataset) {
+  ChangeKeypoints(joints, cameras, dataset, [](CameraView& view, std::size_t i) {
+    view.keypoints[2 * i] = view.keypoints[2 * i + 1] = std::nanf("");
+    view.confidence[i] = 0.0F;
+  });
 }
 
 double MeanErrorMm(const Dataset& dataset) {

@@ -57,6 +57,25 @@ struct ViewFit {
   Resection camera;              ///< of a static view
 };
 
+/// A time in frames, and how much better the view fits there than badly.
+struct TimeCandidate {
+  double offset;
+  double gain;
+};
+
+const TimeCandidate& BestOf(const std::vector<TimeCandidate>& candidates) {
+  return *std::ranges::max_element(candidates, {}, &TimeCandidate::gain);
+}
+
+/// The best time, unless another, at least `distance` frames away, is nearly as good: then the motion repeats itself.
+std::optional<double> UniqueTime(const std::vector<TimeCandidate>& candidates, double distance) {
+  const TimeCandidate& best = BestOf(candidates);
+  for (const TimeCandidate& other : candidates) {
+    if (std::abs(other.offset - best.offset) >= distance && other.gain > kUniqueTime * best.gain) return std::nullopt;
+  }
+  return best.offset;
+}
+
 class Examiner {
  public:
   Examiner(const CaptureObservations& capture, int clip, int view, const KnownMotion& motion, double log_focal,
@@ -231,11 +250,7 @@ std::optional<ViewReading> Examiner::FindTime(ViewReading reading) const {
   const double rate = reading.time.rate;
   const int count = clip_.count;
   const int min_overlap = std::max(kMinOverlap, count / 4);
-  struct Candidate {
-    double offset;
-    double gain;  ///< share of the frames that overlap, times what they fit better than badly
-  };
-  std::vector<Candidate> candidates;
+  std::vector<TimeCandidate> candidates;  // whose gain is the share of the frames that overlap, times their fit
   const double possible = count / std::max(1.0, std::abs(rate));
   const auto evaluate = [&](double offset) {
     reading.time.offset = offset;
@@ -261,15 +276,12 @@ std::optional<ViewReading> Examiner::FindTime(ViewReading reading) const {
   };
   evaluate_from(std::ceil(from), to, step);
   if (candidates.empty()) return std::nullopt;
-  const auto best_of = [&] { return *std::ranges::max_element(candidates, {}, &Candidate::gain); };
-  const Candidate coarse = best_of();
-  evaluate_from(coarse.offset - step, coarse.offset + step, 1.0);
-  const Candidate best = best_of();
-  for (const Candidate& other : candidates) {
-    if (std::abs(other.offset - best.offset) < kOtherTimeSeconds * clip_.fps * std::max(1.0, std::abs(rate))) continue;
-    if (other.gain > kUniqueTime * best.gain) return std::nullopt;
-  }
-  reading.time.offset = best.offset;
+  const double coarse = BestOf(candidates).offset;
+  evaluate_from(coarse - step, coarse + step, 1.0);
+  const std::optional<double> offset =
+      UniqueTime(candidates, kOtherTimeSeconds * clip_.fps * std::max(1.0, std::abs(rate)));
+  if (!offset) return std::nullopt;
+  reading.time.offset = *offset;
   return reading;
 }
 
@@ -327,14 +339,12 @@ std::vector<BadStretch> Examiner::FindBadStretches(const ViewFit& fit) const {
 
 int Examiner::FindJump(const std::function<double(int)>& error_after, double limit) const {
   const int max_jump = std::min(clip_.count / 2, static_cast<int>(5.0 * clip_.fps));
-  std::vector<double> gains;
-  for (int jump = -max_jump; jump <= max_jump; ++jump) gains.push_back(std::max(0.0, limit - error_after(jump)));
-  const auto best = std::ranges::max_element(gains);
-  if (!(*best > 0.0)) return 0;
-  for (auto other = gains.begin(); other != gains.end(); ++other) {
-    if (std::abs(other - best) >= kOtherTimeSeconds * clip_.fps && *other > kUniqueTime * *best) return 0;
+  std::vector<TimeCandidate> candidates;
+  for (int jump = -max_jump; jump <= max_jump; ++jump) {
+    candidates.push_back({static_cast<double>(jump), std::max(0.0, limit - error_after(jump))});
   }
-  return static_cast<int>(best - gains.begin()) - max_jump;
+  if (!(BestOf(candidates).gain > 0.0)) return 0;
+  return static_cast<int>(UniqueTime(candidates, kOtherTimeSeconds * clip_.fps).value_or(0.0));
 }
 
 void Examiner::NameFault(const ViewFit& fit, double limit, BadStretch& stretch) const {

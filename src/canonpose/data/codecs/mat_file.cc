@@ -24,6 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kHeaderBytes = 128;
+/// Matrices are decompressed and converted, and copied twice.
+constexpr std::size_t kMemoryPerByte = 32;
 
 std::string ReadHeader(const fs::path& path) {
   std::string header(kHeaderBytes, '\0');
@@ -208,18 +210,6 @@ std::string Answer(const OpenFile& file, std::string_view question) {
   return writer.Take();
 }
 
-/// Far more than a sound file of this size needs: matrices are decompressed and converted, and copied twice.
-ChildProcess::Limits LimitsFor(const fs::path& path) {
-  std::error_code error;
-  const std::uintmax_t bytes = fs::file_size(path, error);
-  constexpr double kBytesPerSecond = 10e6;
-  ChildProcess::Limits limits;
-  if (error) return limits;
-  limits.cpu_seconds = 1.0 + static_cast<double>(bytes) / kBytesPerSecond;
-  limits.memory_bytes += 32 * bytes;
-  return limits;
-}
-
 }  // namespace
 
 struct MatFile::State {
@@ -251,7 +241,7 @@ MatFile::MatFile(const fs::path& path, std::string advice) : state_(std::make_un
         if (file == nullptr) file = std::make_shared<OpenFile>(file_path, file_advice);
         return Answer(*file, question);
       },
-      LimitsFor(path));
+      ChildProcess::Limits::ForFile(path, kMemoryPerByte));
 }
 
 MatFile::~MatFile() = default;

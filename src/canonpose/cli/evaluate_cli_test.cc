@@ -114,7 +114,7 @@ TEST(EvaluateProgram, TruthOfAnotherOrUnknownKindIsReportedWithAWarning) {
       for (Sequence& sequence : dataset.sequences) sequence.truth_kind = kind;
     });
     const json report = Evaluated({file, "--protocol", "3dhp"});
-    EXPECT_EQ(report.contains("truth_kind"), std::string(kind) != "");
+    EXPECT_EQ(report.contains("truth_kind"), !std::string(kind).empty());
     ASSERT_EQ(report["warnings"].size(), 1U);
     EXPECT_THAT(report["warnings"][0].get<std::string>(),
                 AllOf(HasSubstr("univ_annot3"), HasSubstr(*kind != 0 ? "this is annot3" : "do not say")));

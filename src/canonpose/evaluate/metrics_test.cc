@@ -154,7 +154,8 @@ TEST(MetricsTest, CpsIsTheAreaUnderTheFractionOfCorrectPoses) {
   }
   double area = 0.0;
   constexpr double kStepMm = 0.01;
-  for (double threshold = 0.5 * kStepMm; threshold < 300.0; threshold += kStepMm) {
+  for (int step = 0; step < 30'000; ++step) {
+    const double threshold = (0.5 + step) * kStepMm;
     const auto correct = std::count_if(largest_mm.begin(), largest_mm.end(), [&](double e) { return e < threshold; });
     area += kStepMm * static_cast<double>(correct) / static_cast<double>(largest_mm.size());
   }

@@ -397,9 +397,10 @@ TEST(Mmpose, ResultsDumpedFromMemoryAreFramesInOrder) {
     EXPECT_EQ(camera.frames[1].people[0].confidence[1], 0.6F);
   }
   MakeDirectory(folder / "images");
-  for (int t = 0; t < 2; ++t)
+  for (int t = 0; t < 2; ++t) {
     WriteFileAtomically(folder / fmt::format("images/{}.json", t),
                         fmt::format(R"({{"predictions": [[{}]]}})", kPerson));
+  }
   EXPECT_EQ(ReadAll("mmpose", folder / "images").front().frames.size(), 2U);
 }
 

@@ -52,7 +52,7 @@ TEST(MappingTest, APrefixDoesNotMatter) {
   for (const Skeleton& source : BuiltinSkeletons()) {
     for (const char* prefix : {"mixamorig:", "Character1_", "Armature|"}) {
       Skeleton prefixed = source;
-      for (std::string& joint : prefixed.joints) joint = prefix + joint;
+      for (std::string& joint : prefixed.joints) joint.insert(0, prefix);
       const LayoutMapping plain = MapLayout(source, *FindSkeleton("h36m-17"));
       const LayoutMapping mapping = MapLayout(prefixed, *FindSkeleton("h36m-17"));
       const LayoutMapping back = MapAvailableJoints(*FindSkeleton("h36m-17"), prefixed);

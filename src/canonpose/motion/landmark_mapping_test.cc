@@ -80,10 +80,11 @@ ArticulatedMotion Renamed(const std::vector<std::pair<std::string, std::string>>
   for (MotionJoint& joint : motion.joints) {
     joint.name = joint.name.substr(prefix.size());
     const auto found = std::find_if(names.begin(), names.end(), [&](const auto& n) { return n.first == joint.name; });
-    if (found != names.end())
+    if (found != names.end()) {
       joint.name = found->second;
-    else if (only_these)
-      joint.name = "other " + joint.name;
+    } else if (only_these) {
+      joint.name.insert(0, "other ");
+    }
   }
   return motion;
 }

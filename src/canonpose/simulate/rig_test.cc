@@ -79,7 +79,7 @@ TEST_P(RigKinds, ShowTheLeftHandOfAPersonFacingTheCameraOnTheRight) {
   for (const FilmingCamera& camera : Film(options, 3, track)) {
     const Eigen::Vector3d towards = Centre(camera.cameras.front()) - track.At(0, kHip);
     const Eigen::Vector3d left = Eigen::Vector3d::UnitZ().cross(towards).normalized() * 300.0;
-    const Eigen::Vector3d hip = track.At(0, kHip);
+    const Eigen::Vector3d& hip = track.At(0, kHip);
     EXPECT_GT(camera.cameras.front().Project(hip + left).x(), camera.cameras.front().Project(hip - left).x());
   }
 }

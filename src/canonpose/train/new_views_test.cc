@@ -209,7 +209,7 @@ TEST(NewViews, CamerasTurnAboutTheVerticalAndKeepTheirTilt) {
   const double expected_deg = 5.0 * std::sqrt(1.0 + std::pow(std::cos(0.3), 2));
   EXPECT_NEAR(DegFromRad(std::sqrt(squares_rad2)), expected_deg, 0.3);
   EXPECT_NEAR(std::sqrt(squares_log), 0.15, 0.01);
-  for (const int quarter : quarters) EXPECT_NEAR(quarter, kDraws / 4, kDraws / 20);
+  for (const int quarter : quarters) EXPECT_NEAR(quarter, kDraws / 4.0, kDraws / 20.0);
 }
 
 TEST(NewViews, RowsWithoutACameraStayAsTheyAre) {

@@ -265,11 +265,7 @@ AdjustmentSummary Summarise(const ceres::Solver::Summary& found) {
 }
 
 AdjustmentSummary AdjustmentProblem::Solve() {
-  if (!has_observations_) {
-    AdjustmentSummary nothing;
-    nothing.reason = "no camera whose pose is known sees a joint whose position is known";
-    return nothing;
-  }
+  if (!has_observations_) return {.reason = "no camera whose pose is known sees a joint whose position is known"};
   ceres::Solver::Options options = SerialOptions(ceres::SPARSE_NORMAL_CHOLESKY, options_.iterations);
   options.function_tolerance = 1e-5;
   options.parameter_tolerance = 1e-7;

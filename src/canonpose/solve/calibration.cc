@@ -43,11 +43,7 @@ AdjustmentSummary AdjustTwice(const CaptureObservations& capture, std::span<cons
                               int max_iterations, Solution& solution) {
   const bool has_joints =
       std::ranges::any_of(solution.estimate.joints, [](const Eigen::Vector3d& joint) { return joint.allFinite(); });
-  if (!has_joints) {
-    AdjustmentSummary nothing;
-    nothing.reason = "the poses to start from contradict the keypoints in every frame";
-    return nothing;
-  }
+  if (!has_joints) return {.reason = "the poses to start from contradict the keypoints in every frame"};
   AdjustmentOptions options;
   options.fixed_view = fixed_view;
   options.scales = solution.scales;

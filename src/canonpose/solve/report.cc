@@ -21,6 +21,8 @@ using Json = nlohmann::ordered_json;
 constexpr double kOutlierScatters = 5.0;
 /// Good captures have 1 to 7 %.
 constexpr double kManyOutliersPercent = 12.0;
+/// Two of four moving cameras at half the frame rate have 21 to 29 %.
+constexpr double kContradictingOutliersPercent = 18.0;
 
 std::string DescribeMirror(const Solution& solution, const std::string& option) {
   if (option == "keep") return "kept by request";
@@ -194,6 +196,23 @@ std::string CaptureReport::Trust() const {
                                             reprojection_percent * kBodyCm / 100.0);
   if (doubts.empty()) return fmt::format("Nothing speaks against this result: {}.", agreement);
   return fmt::format("Use it with care: {}; otherwise {}.", fmt::join(doubts, ", "), agreement);
+}
+
+std::string CaptureReport::Contradiction() const {
+  std::size_t used = 0;
+  std::vector<std::string> contradicting;
+  for (const CameraReport& camera : cameras) {
+    if (!camera.used) continue;
+    ++used;
+    if (camera.outlier_percent > kContradictingOutliersPercent) {
+      contradicting.push_back(fmt::format("{:.0f} % of {}'s keypoints", camera.outlier_percent, camera.name));
+    }
+  }
+  if (used < 3 || 2 * contradicting.size() < used) return "";
+  return fmt::format(
+      "the cameras do not agree, and nothing says which are wrong: {} do not fit; do all show the same person, at the "
+      "same time and frame rate? Leave the wrong ones out",
+      fmt::join(contradicting, ", "));
 }
 
 std::string SolveReport::Doubt() const {

@@ -57,6 +57,9 @@ struct CaptureReport {
 
   /// One sentence for people who have not read the rest: whether the result can be relied on, and if not, why.
   [[nodiscard]] std::string Trust() const;
+  /// Why nothing in the result can be relied on: there are three cameras or more, and so many keypoints of half of them
+  /// do not fit that nothing says which of the cameras are wrong. Empty otherwise.
+  [[nodiscard]] std::string Contradiction() const;
 };
 
 struct SolveReport {

@@ -1,5 +1,9 @@
 #include "canonpose/solve/report.h"
 
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -100,6 +104,27 @@ TEST(Report, IsQuietWhereNothingWentWrong) {
   EXPECT_EQ(report.frames_solved, 40);
   EXPECT_THAT(report.warnings, IsEmpty());
   EXPECT_THAT(SolveReport{{report}}.ToText(), Not(HasSubstr("adjustment")));
+}
+
+CaptureReport WithOutliers(const std::vector<double>& percents) {
+  CaptureReport report;
+  for (const double percent : percents) {
+    CameraReport& camera = report.cameras.emplace_back();
+    camera.name = fmt::format("cam{}", report.cameras.size());
+    camera.outlier_percent = percent;
+  }
+  return report;
+}
+
+TEST(Report, CamerasOfWhichHalfContradictTheOthersSayNothing) {
+  EXPECT_THAT(WithOutliers({3.0, 4.0, 21.0, 29.0}).Contradiction(),
+              HasSubstr("21 % of cam3's keypoints, 29 % of cam4's keypoints do not fit"));
+  EXPECT_THAT(WithOutliers({3.0, 4.0, 5.0, 29.0}).Contradiction(), IsEmpty());  // the other three agree
+  EXPECT_THAT(WithOutliers({11.0, 11.0, 11.0}).Contradiction(), IsEmpty());
+  EXPECT_THAT(WithOutliers({29.0, 29.0}).Contradiction(), IsEmpty());  // of two cameras none is in the minority
+  CaptureReport one_left_out = WithOutliers({29.0, 29.0, 0.0});
+  one_left_out.cameras[2].used = false;
+  EXPECT_THAT(one_left_out.Contradiction(), IsEmpty());
 }
 
 }  // namespace

@@ -33,6 +33,9 @@ namespace {
 /// Enough to see whether cameras agree.
 constexpr int kQuickFrames = 120;
 constexpr int kQuickIterations = 25;
+/// Of all keypoints. Fewer, when removed, change no camera: they hardly counted, being far off. A limb that one of four
+/// cameras invents is 3 %.
+constexpr double kInventedThatMatter = 0.005;
 
 /// A capture between the stages.
 struct CaptureWork {
@@ -103,8 +106,10 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options,
   if (summary.IsUsable()) CheckViews(capture, calibration, calibrate, calibrate_quickly, work);
   if (HasFailed(work)) return;
   // Only now: in a view that does not fit as a whole, any keypoint seems invented.
-  if (summary.IsUsable() && RemoveInvented(CalibrationFrames(capture, calibration), work.solution, capture) > 0) {
-    work.solution = calibrate(capture);
+  if (summary.IsUsable()) {
+    const int removed = RemoveInvented(CalibrationFrames(capture, calibration), work.solution, capture);
+    const double share = removed / static_cast<double>(capture.confidence.size());
+    if (share > kInventedThatMatter) work.solution = calibrate(capture);
   }
   work.report.calibration = summary;
   if (!summary.IsUsable()) work.report.failure = fmt::format("the cameras could not be found: {}", summary.reason);
@@ -210,7 +215,9 @@ void SolveAllFrames(CaptureObservations& capture, const SolveOptions& options, C
     work.solution.scales.acceleration = MeasureAccelerations(capture, work.solution.estimate);
     AdjustAllFrames(capture, options, work);
   }
-  if (!HasFailed(work)) FinishReport(capture, options, swaps, work);
+  if (HasFailed(work)) return;
+  FinishReport(capture, options, swaps, work);
+  work.report.failure = work.report.Contradiction();
 }
 
 /// Throws, with the reason of each, where no capture was solved.

@@ -20,9 +20,9 @@ struct Factors {
   double of_triangulated;
   double of_cameras;
 };
-constexpr Factors kStatic = {0.73, 0.23};
-constexpr Factors kMoving = {0.85, 0.27};
-constexpr Factors kTwoCameras = {0.70, 0.42};
+constexpr Factors kStatic = {0.58, 0.24};
+constexpr Factors kMoving = {0.68, 0.22};
+constexpr Factors kTwoCameras = {0.50, 0.52};
 /// The scatter of a joint of which the views say nothing, since its bones hold it.
 constexpr double kHeldByBones = 0.1;
 /// Frames that the scatter of keypoints is measured in.

@@ -21,7 +21,7 @@ struct Factors {
   double of_cameras;
 };
 constexpr Factors kStatic = {0.58, 0.24};
-constexpr Factors kMoving = {0.68, 0.22};
+constexpr Factors kMoving = {0.50, 0.44};
 constexpr Factors kTwoCameras = {0.50, 0.52};
 /// The scatter of a joint of which the views say nothing, since its bones hold it.
 constexpr double kHeldByBones = 0.1;

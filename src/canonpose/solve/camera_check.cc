@@ -13,6 +13,7 @@
 #include "canonpose/solve/diagnosis.h"
 #include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
+#include "canonpose/solve/time_jump.h"
 #include "canonpose/solve/time_offset.h"
 #include "canonpose/solve/view_examination.h"
 #include "canonpose/solve/view_signs.h"
@@ -28,10 +29,14 @@ constexpr int kExaminationRounds = 3;
 constexpr double kAgreement = 0.015;
 constexpr double kAgreementGain = 0.85;
 constexpr double kGainOnAll = 0.93;
+/// Instead of kAgreementGain where it is known what is wrong with the view that the subset leaves out.
+constexpr double kGainOfKnownFault = 0.95;
 /// The same of a pair, which explains nearly anything.
 constexpr double kPairGain = 0.6;
 /// Of CappedError().
 constexpr double kLargeError = 0.03;
+/// Lost frames are looked for in views with this many times the outliers of the others.
+constexpr double kMoreOutliers = 1.25;
 /// Pairs of views are tried up to this many.
 constexpr std::size_t kMaxPairs = 15;
 
@@ -71,6 +76,74 @@ void AlignCameras(CaptureObservations& capture, const Calibrate& calibrate, Solu
     solution = calibrate(capture);
     if (!solution.calibration_summary.IsUsable()) return;
   }
+}
+
+/// Views with clearly more outliers than the others have in the median.
+std::vector<int> ViewsThatFitWorse(const CaptureObservations& capture, const Solution& solution) {
+  const std::vector<ViewSigns> signs = MeasureSigns(capture, solution);
+  std::vector<int> views;
+  for (std::size_t v = 0; v < signs.size(); ++v) {
+    if (!signs[v].known) continue;
+    std::vector<double> others;
+    for (std::size_t w = 0; w < signs.size(); ++w) {
+      if (w != v && signs[w].known) others.push_back(signs[w].outliers);
+    }
+    if (others.size() >= 2 && signs[v].outliers > kMoreOutliers * Median(std::move(others))) {
+      views.push_back(static_cast<int>(v));
+    }
+  }
+  return views;
+}
+
+/// Whether what was found about a view in a clip may be lost frames: only stretches that nothing explains.
+bool MayHaveLostFrames(const ViewCorrection& correction) {
+  return correction.reading.IsIdentity() &&
+         std::ranges::all_of(correction.bad, [](const BadStretch& bad) { return bad.fault == StretchFault::kOther; });
+}
+
+/// What a view recorded, with everything corrected that was found about it.
+void CorrectAgain(const CaptureObservations& original, const CameraCheck& check, int view,
+                  CaptureObservations& capture) {
+  CopyView(original, view, capture);
+  for (int clip = 0; clip < static_cast<int>(capture.clips.size()); ++clip) {
+    ApplyCorrection(check.corrections[static_cast<std::size_t>(clip)][static_cast<std::size_t>(view)], clip, view,
+                    capture);
+  }
+}
+
+/// Takes the frames behind those that a static view lost at the others' time, in the clip and view where that gains
+/// most. Returns whether any were lost.
+bool CorrectTimeJump(const CaptureObservations& original, CaptureObservations& capture, const Solution& solution,
+                     CameraCheck& check) {
+  TimeJump best;
+  int best_view = -1;
+  int best_clip = -1;
+  for (const int v : ViewsThatFitWorse(capture, solution)) {
+    for (int clip = 0; clip < static_cast<int>(capture.clips.size()); ++clip) {
+      if (!MayHaveLostFrames(check.At(clip, v))) continue;
+      CameraCheck without_bad = check;
+      without_bad.At(clip, v).bad.clear();
+      CaptureObservations with_all_frames = capture;
+      CorrectAgain(original, without_bad, v, with_all_frames);
+      const std::optional<TimeJump> jump = FindTimeJump(with_all_frames, solution, clip, v);
+      if (!jump || jump->gain <= best.gain) continue;
+      best = *jump;
+      best_view = v;
+      best_clip = clip;
+    }
+  }
+  if (best_view < 0) return false;
+  // From the time of the others to the view's own.
+  ViewCorrection& correction = check.At(best_clip, best_view);
+  BadStretch& stretch = best.stretch;
+  const int count = capture.clips[static_cast<std::size_t>(best_clip)].count;
+  const int end = stretch.first + stretch.count;
+  const auto own = [&](int frame) { return std::clamp(frame - correction.offset_frames, 0, count); };
+  stretch.first = stretch.first == 0 ? 0 : own(stretch.first);
+  stretch.count = (end == count ? count : own(end)) - stretch.first;
+  correction.bad = {stretch};
+  CorrectAgain(original, check, best_view, capture);
+  return true;
 }
 
 /// Shifts all views of a clip by the same number of frames so that most of them keep their own time.
@@ -147,6 +220,8 @@ class Examination {
   [[nodiscard]] std::optional<Consensus> ConsensusOfPairs(const std::vector<ViewSigns>& signs) const;
   /// The views that are known but not part of the consensus.
   [[nodiscard]] std::vector<int> Others(const Consensus& consensus, const std::vector<ViewSigns>& signs) const;
+  /// Whether a view would fit the motion that the consensus shows if something that can be named were corrected.
+  [[nodiscard]] bool HasKnownFault(const Consensus& consensus, int view) const;
   /// How many of the other views fit the motion that the consensus shows, as they are.
   [[nodiscard]] int CountFollowers(const Consensus& consensus, const std::vector<ViewSigns>& signs) const;
   /// How many of the other views fit it mirrored, at another time or at another rate.
@@ -192,8 +267,21 @@ std::optional<Consensus> Examination::ConsensusWithout(const std::vector<ViewSig
     }
   }
   const double with_all = PerDegreeOfFreedom(CappedError(capture_, solution_), known.size());
-  if (best && best->error < kAgreementGain * second && best->error < kGainOnAll * with_all) return best;
+  if (!best || best->error >= kGainOnAll * with_all || best->error >= kGainOfKnownFault * second) return std::nullopt;
+  if (best->error < kAgreementGain * second || HasKnownFault(*best, Others(*best, signs).front())) return best;
   return std::nullopt;
+}
+
+bool Examination::HasKnownFault(const Consensus& consensus, int view) const {
+  for (int clip = 0; clip < static_cast<int>(capture_.clips.size()); ++clip) {
+    const KnownMotion motion(consensus.capture, consensus.solution, clip);
+    const ViewExamination found = ExamineView(original_, clip, view, motion, FocalOf(consensus, clip),
+                                              consensus.solution.scales.observation.Typical());
+    const bool has_named_stretch =
+        std::ranges::any_of(found.bad, [](const BadStretch& bad) { return bad.fault != StretchFault::kOther; });
+    if (found.fits && (!found.reading.IsIdentity() || has_named_stretch)) return true;
+  }
+  return false;
 }
 
 std::vector<int> Examination::Others(const Consensus& consensus, const std::vector<ViewSigns>& signs) const {
@@ -353,8 +441,14 @@ CameraCheck CheckCameras(CaptureObservations& capture, const Calibrate& calibrat
   // What is clearly wrong comes first: shifts found against a solution that it has spoilt would be wrong, too.
   examination.Run();
   for (int round = 0; round < kExaminationRounds && solution.calibration_summary.IsUsable(); ++round) {
-    if (capture.static_cameras) AlignCameras(capture, calibrate, solution, check);
-    if (!solution.calibration_summary.IsUsable() || !examination.Run()) break;
+    bool changed = false;
+    if (capture.static_cameras) {
+      AlignCameras(capture, calibrate, solution, check);
+      if (!solution.calibration_summary.IsUsable()) break;
+      changed = CorrectTimeJump(original, capture, solution, check);
+      if (changed) solution = calibrate(capture);
+    }
+    if (!solution.calibration_summary.IsUsable() || (!examination.Run() && !changed)) break;
   }
   if (solution.calibration_summary.IsUsable()) KeepMajority(capture, check);
   return check;

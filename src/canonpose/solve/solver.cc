@@ -66,11 +66,12 @@ void CheckViews(CaptureObservations& capture, const CalibrationOptions& options,
   const double error = MedianError(capture, work.solution);
   work.check = CheckCameras(capture, calibrate, calibrate_quickly, work.solution);
   work.report.findings = MakeFindings(capture, *work.check);
+  // Two moving cameras explain nearly anything, and two that are taken to stand still nearly as much.
+  if (!capture.static_cameras || capture.view_count() <= 2) return;
+  const auto left = std::ranges::count(work.check->dropped, false);
   const bool is_doubtful =
-      std::ranges::any_of(work.check->dropped, std::identity()) ||
-      (work.solution.calibration_summary.IsUsable() && AnyAlarm(MeasureSigns(capture, work.solution)));
-  // Two moving cameras explain nearly anything.
-  if (!capture.static_cameras || capture.view_count() <= 2 || !is_doubtful) return;
+      left <= 2 || (work.solution.calibration_summary.IsUsable() && AnyAlarm(MeasureSigns(capture, work.solution)));
+  if (!is_doubtful) return;
   if (SeemsToMove(recorded, error, options)) {
     work.report.failure =
         "the cameras seem to move, but the recording says that they stand still; import it with `moving`";

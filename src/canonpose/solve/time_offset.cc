@@ -4,16 +4,11 @@
 #include <climits>
 #include <cmath>
 
-#include <ceres/loss_function.h>
-#include <ceres/manifold.h>
-#include <ceres/problem.h>
-#include <ceres/solver.h>
-
-#include "canonpose/solve/ceres_options.h"
 #include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/residuals.h"
+#include "canonpose/solve/view_comparison.h"
 
 namespace canonpose {
 namespace {
@@ -26,15 +21,8 @@ constexpr int kMinOffsetFrames = 20;
 /// An offset is accepted where it lowers the cost by this many standard errors and this fraction. Chosen by hand.
 constexpr double kOffsetSigma = 3.0;
 constexpr double kOffsetFraction = 0.05;
-/// Frames from which a camera is estimated anew at an offset.
-constexpr int kRefitFrames = 40;
 /// The camera is estimated at every third offset; offsets between use the nearest estimate.
 constexpr int kRefitStep = 3;
-
-/// A joint in the frame of a static camera.
-Eigen::Vector3d InStaticCamera(const CameraEstimate& camera, const Eigen::Vector3d& joint) {
-  return camera.Rotation() * joint + Eigen::Vector3d::Map(camera.placement.data());
-}
 
 double Scatter(const CaptureObservations& capture, const Solution& solution, int frame, int view, int joint) {
   return solution.scales.observation.Scatter(joint, capture.confidence[capture.Index(frame, view, joint)]);
@@ -50,13 +38,7 @@ class OffsetSearch {
   void Compare(const std::vector<int>& frames);
   /// Measures the offsets around `index` again, each with a camera of its own.
   void CompareAgainAround(std::size_t index);
-  /// The mean cost of the view's keypoints of `frame` at an offset; NaN where there is nothing to compare.
-  [[nodiscard]] double CostAgainstOthers(int frame, int offset, const CameraEstimate& camera);
-  /// The camera that fits the others' joints best at an offset. One that was estimated with the wrong offset partly
-  /// compensates for it and would favour that offset.
-  [[nodiscard]] CameraEstimate Refit(int offset);
   [[nodiscard]] double CostOfPair(int frame, int offset) const;
-  std::vector<Eigen::Vector3d>& OthersAt(int frame);
 
   const CaptureObservations& capture_;
   const Solution& solution_;
@@ -64,7 +46,7 @@ class OffsetSearch {
   int view_;
   int other_view_ = -1;  ///< where there are only two
   int max_ = kMaxOffset;
-  std::vector<std::vector<Eigen::Vector3d>> others_;  ///< by frame of the clip; empty until needed
+  ViewComparison comparison_;
   std::vector<int> frames_;
   std::vector<std::vector<double>> costs_;  ///< (2 max + 1, frames)
 };
@@ -74,7 +56,7 @@ OffsetSearch::OffsetSearch(const CaptureObservations& capture, const Solution& s
       solution_(solution),
       clip_(capture.clips[static_cast<std::size_t>(clip)]),
       view_(view),
-      others_(static_cast<std::size_t>(clip_.count)) {
+      comparison_(capture, solution, clip, view) {
   if (!solution.estimate.CameraAt(clip_.first, view).valid) return;
   const std::vector<int> views = solution.estimate.ValidViews(clip_.first);
   if (views.size() == 2) other_view_ = views[0] == view ? views[1] : views[0];
@@ -86,62 +68,6 @@ OffsetSearch::OffsetSearch(const CaptureObservations& capture, const Solution& s
   // Where there is room for one run only, all frames are compared.
   const bool has_runs = frames.size() >= 2 * static_cast<std::size_t>(kOffsetRunFrames);
   Compare(has_runs ? EvenRuns(frames, kOffsetRuns, kOffsetRunFrames) : frames);
-}
-
-std::vector<Eigen::Vector3d>& OffsetSearch::OthersAt(int frame) {
-  std::vector<Eigen::Vector3d>& joints = others_[static_cast<std::size_t>(frame - clip_.first)];
-  if (joints.empty()) {
-    for (int j = 0; j < capture_.joint_count(); ++j) {
-      joints.push_back(TriangulateJoint(capture_, frame, j, solution_.scales, solution_.estimate, view_).point);
-    }
-  }
-  return joints;
-}
-
-CameraEstimate OffsetSearch::Refit(int offset) {
-  CameraEstimate camera = solution_.estimate.CameraAt(clip_.first, view_);
-  ceres::CauchyLoss loss(kLossScale);
-  ceres::QuaternionManifold quaternions;
-  ceres::Problem::Options problem_options;
-  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  problem_options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem problem(problem_options);
-  const int step = std::max(1, static_cast<int>(frames_.size()) / kRefitFrames);
-  for (std::size_t i = 0; i < frames_.size(); i += static_cast<std::size_t>(step)) {
-    const int frame = frames_[i];
-    std::vector<Eigen::Vector3d>& joints = OthersAt(frame + offset);
-    for (int j = 0; j < capture_.joint_count(); ++j) {
-      Eigen::Vector3d& joint = joints[static_cast<std::size_t>(j)];
-      if (!capture_.Sees(frame, view_, j) || !joint.allFinite()) continue;
-      const double depth = InStaticCamera(camera, joint).z();
-      if (!(depth > 0.0)) continue;
-      const double weight = depth / camera.Focal() / Scatter(capture_, solution_, frame, view_, j);
-      problem.AddResidualBlock(ReprojectionTerm<false>::Create(capture_.At(frame, view_, j), weight), &loss,
-                               camera.quaternion.data(), camera.placement.data(), &camera.log_focal, joint.data());
-      problem.SetParameterBlockConstant(joint.data());
-    }
-  }
-  if (problem.NumResidualBlocks() == 0) return camera;
-  problem.SetManifold(camera.quaternion.data(), &quaternions);
-  problem.SetParameterBlockConstant(&camera.log_focal);
-  ceres::Solver::Summary summary;
-  ceres::Solve(SerialOptions(ceres::DENSE_NORMAL_CHOLESKY, 8), &problem, &summary);
-  return camera;
-}
-
-double OffsetSearch::CostAgainstOthers(int frame, int offset, const CameraEstimate& camera) {
-  const std::vector<Eigen::Vector3d>& joints = OthersAt(frame + offset);
-  double sum = 0.0;
-  int count = 0;
-  for (int j = 0; j < capture_.joint_count(); ++j) {
-    if (!capture_.Sees(frame, view_, j)) continue;
-    const double error = DistanceInFront(InStaticCamera(camera, joints[static_cast<std::size_t>(j)]), camera.Focal(),
-                                         capture_.At(frame, view_, j));
-    if (!std::isfinite(error)) continue;
-    sum += CauchyLoss(error / Scatter(capture_, solution_, frame, view_, j));
-    ++count;
-  }
-  return sum / count;
 }
 
 /// Of two views: how well the rays of one in `frame` and of the other in `frame` + `offset` meet, and whether bones
@@ -159,7 +85,9 @@ double OffsetSearch::CostOfPair(int frame, int offset) const {
     if (!joints.back().allFinite()) continue;
     for (const int v : {view_, other_view_}) {
       const CameraEstimate& camera = solution_.estimate.CameraAt(0, v);
-      const double error = DistanceInFront(InStaticCamera(camera, joints.back()), camera.Focal(), pair.At(0, v, j));
+      const double error =
+          DistanceInFront(camera.Rotation() * joints.back() + Eigen::Vector3d::Map(camera.placement.data()),
+                          camera.Focal(), pair.At(0, v, j));
       if (!std::isfinite(error)) continue;
       sum += CauchyLoss(error / Scatter(pair, solution_, 0, v, j));
       ++count;
@@ -184,12 +112,12 @@ void OffsetSearch::Compare(const std::vector<int>& frames) {
   for (int offset = -max_; offset <= max_; ++offset) {
     const int nearest = static_cast<int>(std::lround(static_cast<double>(offset) / kRefitStep)) * kRefitStep;
     if (other_view_ < 0 && nearest != refitted_at) {
-      camera = Refit(std::clamp(nearest, -max_, max_));
+      camera = comparison_.Refit(frames_, std::clamp(nearest, -max_, max_));
       refitted_at = nearest;
     }
     costs.emplace_back();
     for (const int frame : frames) {
-      costs.back().push_back(other_view_ >= 0 ? CostOfPair(frame, offset) : CostAgainstOthers(frame, offset, camera));
+      costs.back().push_back(other_view_ >= 0 ? CostOfPair(frame, offset) : comparison_.Cost(frame, offset, camera));
     }
   }
   // The same frames for all offsets, so that their means can be compared.
@@ -207,10 +135,10 @@ void OffsetSearch::CompareAgainAround(std::size_t index) {
   for (int offset = std::max(-max_, around - kRefitStep + 1); offset <= std::min(max_, around + kRefitStep - 1);
        ++offset) {
     if (offset % kRefitStep == 0) continue;
-    const CameraEstimate camera = Refit(offset);
+    const CameraEstimate camera = comparison_.Refit(frames_, offset);
     std::vector<double>& costs = costs_[static_cast<std::size_t>(offset + max_)];
     for (std::size_t i = 0; i < frames_.size(); ++i) {
-      const double cost = CostAgainstOthers(frames_[i], offset, camera);
+      const double cost = comparison_.Cost(frames_[i], offset, camera);
       if (std::isfinite(cost)) costs[i] = cost;
     }
   }

@@ -157,7 +157,8 @@ TEST_P(AView, OfAMotionThatRepeatsItselfIsLeftOutWhereFramesWereLost) {
   for (const BadStretch& stretch : found.bad) EXPECT_EQ(stretch.fault, StretchFault::kOther);
 }
 
-TEST(AStaticView, ThatWasPushedIsFound) {
+/// What is found about a static view whose camera stands otherwise in the frames first .. end - 1.
+ViewExamination ExaminePushed(int first, int end) {
   testing::ExactRigOptions options;
   options.frames = kFrames;
   testing::ExactRig rig = testing::MakeExactRig(options);
@@ -170,24 +171,36 @@ TEST(AStaticView, ThatWasPushedIsFound) {
   camera.SetRotation(turn * camera.Rotation());
   auto translation = Eigen::Vector3d::Map(camera.placement.data());
   translation = (turn * translation).eval();
-  CaptureObservations after = rig.capture;
-  testing::SeeJoints(pushed, kScatter, 4, after);
-  CaptureObservations both = after;
-  for (int n = 0; n < 90; ++n) {
+  CaptureObservations seen_pushed = rig.capture;
+  testing::SeeJoints(pushed, kScatter, 4, seen_pushed);
+  CaptureObservations both = rig.capture;
+  for (int n = first; n < end; ++n) {
     for (int j = 0; j < both.joint_count(); ++j) {
       const std::size_t i = 2 * both.Index(n, kView, j);
-      std::copy_n(&rig.capture.xy[i], 2, &both.xy[i]);
+      std::copy_n(&seen_pushed.xy[i], 2, &both.xy[i]);
     }
   }
   Solution solution;
   solution.estimate = rig.truth;
-  const ViewExamination found = ExamineView(both, 0, kView, KnownMotion(others, solution, 0), 0.1, kScatter);
+  return ExamineView(both, 0, kView, KnownMotion(others, solution, 0), 0.1, kScatter);
+}
+
+TEST(AStaticView, ThatWasPushedIsFound) {
+  const ViewExamination found = ExaminePushed(90, kFrames);
   ASSERT_TRUE(found.fits);
   EXPECT_TRUE(found.reading.IsIdentity());
   ASSERT_THAT(found.bad, SizeIs(1));
   EXPECT_EQ(found.bad[0].fault, StretchFault::kCameraMoved);
   EXPECT_NEAR(found.bad[0].first, 90, 3);
   EXPECT_EQ(found.bad[0].first + found.bad[0].count, kFrames);
+}
+
+TEST(AStaticView, ThatDoesNotFitForAWhileWasNotPushed) {
+  const ViewExamination found = ExaminePushed(50, 90);
+  ASSERT_TRUE(found.fits);
+  ASSERT_THAT(found.bad, SizeIs(1));
+  EXPECT_EQ(found.bad[0].fault, StretchFault::kOther);
+  EXPECT_NEAR(found.bad[0].first, 50, 3);
 }
 
 TEST(ViewCorrection, MovesFramesToTheTimeOfTheOthers) {

@@ -20,8 +20,8 @@ struct Factors {
   double of_triangulated;
   double of_cameras;
 };
-constexpr Factors kStatic = {0.58, 0.24};
-constexpr Factors kMoving = {0.50, 0.44};
+constexpr Factors kStatic = {0.54, 0.28};
+constexpr Factors kMoving = {0.40, 0.48};
 constexpr Factors kTwoCameras = {0.50, 0.52};
 /// The scatter of a joint of which the views say nothing, since its bones hold it.
 constexpr double kHeldByBones = 0.1;

@@ -434,6 +434,8 @@ TEST(Program, SolvesAndDistils) {
   EXPECT_LT(figures["p_mpjpe_mm"].get<double>(), 30.0);
   EXPECT_LT(figures["mirrored_percent"].get<double>(), 2.0);
   EXPECT_LT(figures["cameras"]["relative_rotation_deg"].get<double>(), 4.0);
+  EXPECT_LT(figures["world"]["wa_mpjpe_mm"].get<double>(), 60.0);
+  EXPECT_FALSE(figures["world"].contains("w_mpjpe_mm")) << "without a size there is no error without scale";
 
   const std::vector<std::string> best = {
       "train",         folder / "solved.h5", "-o", folder / "best", "--preset", "best",      "--set",
@@ -443,6 +445,11 @@ TEST(Program, SolvesAndDistils) {
   EXPECT_EQ(Execute({"evaluate", folder / "best", folder / "a.h5"}).exit_code, 0);
   EXPECT_EQ(Execute({"solve", folder / "a.h5", "-o", folder / "x.h5", "--mirror", "sideways"}).exit_code, 2);
   EXPECT_EQ(Execute({"solve", folder / "none.h5", "-o", folder / "x.h5"}).exit_code, 3);
+  const Outcome too_tall = Execute({"solve", folder / "a.h5", "-o", folder / "x.h5", "--height", "175"});
+  EXPECT_EQ(too_tall.exit_code, 2);
+  EXPECT_THAT(too_tall.errors, AllOf(HasSubstr("--height"), HasSubstr("give 1.75")));
+  EXPECT_EQ(Execute({"solve", folder / "a.h5", "-o", folder / "x.h5", "--camera-distance", "cam1,cam9=4"}).exit_code,
+            2);
   EXPECT_EQ(Execute({"solve", folder / "a.h5", "-o", folder / "x.h5", "--model", folder / "none"}).exit_code, 3);
 }
 
@@ -458,8 +465,8 @@ TEST(Program, SolvesSeveralFilesTogether) {
     KeepFrames(half, range, name);
     WriteDataset(folder / name, half);
   }
-  const Outcome solved =
-      Execute({"solve", folder / "first.h5", folder / "second.h5", "-o", folder / "solved.h5", "--threads", "1"});
+  const Outcome solved = Execute({"solve", folder / "first.h5", folder / "second.h5", "-o", folder / "solved.h5",
+                                  "--threads", "1", "--camera-distance", "cam1,cam3=10"});
   ASSERT_EQ(solved.exit_code, 0) << solved.errors;
   EXPECT_THAT(solved.output, HasSubstr("120 of 120 solved")) << "one capture";
   const Dataset result = ReadDataset(folder / "solved.h5");
@@ -471,6 +478,15 @@ TEST(Program, SolvesSeveralFilesTogether) {
     EXPECT_EQ(result.sequences[0].cameras[c].solved_calibration[0].K,
               result.sequences[1].cameras[c].solved_calibration[0].K);
   }
+  EXPECT_EQ(result.sequences[0].cameras[0].solved.unit, LengthUnit::kMillimetres);
+  EXPECT_THAT(result.sequences[1].solved_world.scale.source, HasSubstr("cam1 and cam3, 10 m"));
+  const Outcome evaluated =
+      Execute({"evaluate", folder / "solved.h5", "--json", folder / "figures.json", "--exclude-joints", "Nose"});
+  ASSERT_EQ(evaluated.exit_code, 0) << evaluated.errors;
+  EXPECT_THAT(evaluated.output, AllOf(HasSubstr("W-MPJPE"), HasSubstr("TE")));
+  const auto figures = nlohmann::json::parse(ReadFile(folder / "figures.json"));
+  EXPECT_GT(figures["world"]["w_mpjpe_mm"].get<double>(), figures["world"]["pa_mpjpe_mm"].get<double>());
+  EXPECT_GT(figures["cameras"]["te_mm"].get<double>(), figures["cameras"]["s_te_mm"].get<double>());
   fs::copy_file(folder / "first.h5", folder / "copy.h5");
   ExpectBadInput({"solve", folder / "first.h5", folder / "copy.h5", "-o", folder / "x.h5"},
                  AllOf(HasSubstr("copy.h5"), HasSubstr("given once")));

@@ -65,6 +65,13 @@ void PrintSequence(const Facts& sequence) {
   const auto actions = sequence.at("actions").get<Texts>();
   if (!actions.empty()) fmt::print("  actions    {}\n", fmt::join(actions, ", "));
   if (IsKnown(sequence, "truth_kind")) fmt::print("  truth      {}\n", TextIn(sequence, "truth_kind"));
+  if (IsKnown(sequence, "solved")) {
+    const Facts& solved = sequence.at("solved");
+    fmt::print("  solved     in {}\n", TextIn(solved, "unit"));
+    for (const char* what : {"up", "floor", "scale"}) {
+      if (IsKnown(solved, what)) fmt::print("  {:<10} from {}\n", what, TextIn(solved, what));
+    }
+  }
   for (const Facts& camera : sequence.at("cameras")) PrintCamera(camera);
 }
 

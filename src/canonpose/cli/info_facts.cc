@@ -55,6 +55,17 @@ Facts CameraFacts(const CameraView& view) {
           {"calibrated", !view.calibration.empty()}};
 }
 
+/// In which unit and world the solution is; nothing where there is none.
+Facts SolvedFacts(const Sequence& sequence) {
+  const auto solved = std::find_if(sequence.cameras.begin(), sequence.cameras.end(),
+                                   [](const CameraView& view) { return !view.solved.empty(); });
+  if (solved == sequence.cameras.end()) return nullptr;
+  return {{"unit", ToString(solved->solved.unit)},
+          {"up", UnlessNone(sequence.solved_world.up.source)},
+          {"floor", UnlessNone(sequence.solved_world.floor.source)},
+          {"scale", UnlessNone(sequence.solved_world.scale.source)}};
+}
+
 Facts SequenceFacts(const Sequence& sequence) {
   Facts cameras = Facts::array();
   for (const CameraView& view : sequence.cameras) cameras.push_back(CameraFacts(view));
@@ -66,6 +77,7 @@ Facts SequenceFacts(const Sequence& sequence) {
           {"capture", sequence.capture},
           {"actions", sequence.actions},
           {"truth_kind", UnlessNone(sequence.truth_kind)},
+          {"solved", SolvedFacts(sequence)},
           {"cameras", std::move(cameras)}};
 }
 

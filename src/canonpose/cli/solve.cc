@@ -16,6 +16,7 @@
 #include "canonpose/data/dataset.h"
 #include "canonpose/data/duplicates.h"
 #include "canonpose/data/merge.h"
+#include "canonpose/data/solved_world.h"
 #include "canonpose/pipeline/bootstrap.h"
 #include "canonpose/solve/solver.h"
 
@@ -29,6 +30,8 @@ struct SolveArguments {
   fs::path output;
   fs::path json;
   std::string frames;
+  std::vector<std::string> heights;
+  std::vector<std::string> camera_distances;
   BootstrapOptions bootstrap;
   SolveOptions options;
 };
@@ -46,8 +49,18 @@ Dataset ReadAll(const SolveArguments& arguments) {
   return MergeDatasets(std::move(datasets), files);
 }
 
+SolveOptions Options(const SolveArguments& arguments) {
+  SolveOptions options = arguments.options;
+  for (const std::string& text : arguments.heights) options.measures.heights.push_back(KnownHeight::Parse(text));
+  for (const std::string& text : arguments.camera_distances) {
+    options.measures.distances.push_back(KnownDistance::Parse(text));
+  }
+  options.Validate();
+  return options;
+}
+
 void RunSolve(const SolveArguments& arguments) {
-  arguments.options.Validate();
+  const SolveOptions options = Options(arguments);
   RequireDatasetName(arguments.output);
   std::vector<fs::path> inputs = arguments.data;
   inputs.push_back(arguments.bootstrap.model);
@@ -56,11 +69,12 @@ void RunSolve(const SolveArguments& arguments) {
   { const AtomicFile probe(arguments.output); }  // before minutes of work
   Dataset dataset = ReadAll(arguments);
   BootstrapOptions bootstrap = arguments.bootstrap;
-  bootstrap.threads = arguments.options.threads;
+  bootstrap.threads = options.threads;
   std::vector<std::string> files;
   for (const fs::path& path : arguments.data) files.push_back(path.string());
+  RequireMeasuresOf(dataset, options.measures);
   const StartPoses start = Bootstrap(dataset, fmt::format("{}", fmt::join(files, ", ")), bootstrap);
-  const SolveReport report = Solve(dataset, start, arguments.options);
+  const SolveReport report = Solve(dataset, start, options);
   WriteDataset(arguments.output, dataset);
   if (!arguments.json.empty()) WriteFileAtomically(arguments.json, report.ToJson());
   std::cout << report.ToText() << std::flush;
@@ -97,6 +111,18 @@ void AddSolveCommand(CLI::App& app) {
           "--mirror", arguments->options.mirror,
           "Which way round depth is. auto: decide by perspective; keep: as in the start's poses; flip: mirrored")
       ->capture_default_str();
+  command
+      ->add_option(
+          "--height", arguments->heights,
+          "Height of the person in metres, for a result in millimetres: 1.75, or NAME=1.75 for each of several "
+          "people")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--camera-distance", arguments->camera_distances,
+                   "Instead, a distance in metres between two static cameras: A,B=4.2")
+      ->allow_extra_args(false);
+  command->add_flag("--calibrated-scale", arguments->options.calibrated_scale,
+                    "Instead, take the scale from the calibration that the data were imported with");
   command->add_option("--frames", arguments->frames, "Solve frames A-B of each sequence only, counted from 0");
   command->add_option("--json", arguments->json, "Also write the report to this file, as JSON");
   command->add_option("--device", arguments->bootstrap.device, "cpu or cuda")->capture_default_str();

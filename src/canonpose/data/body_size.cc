@@ -1,33 +1,19 @@
 #include "canonpose/data/body_size.h"
 
 #include <cmath>
-#include <string_view>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "canonpose/base/median.h"
+#include "canonpose/skeleton/anthropometry.h"
 #include "canonpose/skeleton/mapping.h"
 
 namespace canonpose {
-namespace {
-
-struct NamedSegment {
-  std::string_view from;
-  std::string_view to;
-  double share;
-};
-
-constexpr NamedSegment kSegments[] = {{"hip", "knee", 0.245},
-                                      {"knee", "ankle", 0.246},
-                                      {"shoulder", "elbow", 0.186},
-                                      {"elbow", "wrist", 0.146},
-                                      {"shoulder", "hip", 0.288}};
-
-}  // namespace
 
 BodySize::BodySize(const Skeleton& skeleton) : joint_count_(skeleton.joints.size()) {
-  for (const NamedSegment& segment : kSegments) {
+  for (const BodySegment& segment : kBodySegments) {
     for (const char side : {'l', 'r'}) {
       const std::optional<int> from = FindPart(skeleton, side + std::string(segment.from));
       const std::optional<int> to = FindPart(skeleton, side + std::string(segment.to));

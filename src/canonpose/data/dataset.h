@@ -10,6 +10,7 @@
 
 #include "canonpose/geometry/camera.h"
 #include "canonpose/scene/pose_sequence.h"
+#include "canonpose/scene/provenance.h"
 #include "canonpose/skeleton/skeleton.h"
 
 namespace canonpose {
@@ -25,11 +26,12 @@ struct CameraView {
   double time_offset_seconds = 0.0;
   /// Poses in the frame of this camera; empty where there are none. Their fps and the person's name are left to the
   /// Sequence.
-  PoseSequence truth;   ///< in millimetres
-  PoseSequence solved;  ///< as `solve` finds them: in body lengths, with uncertainties
-  /// The cameras that `solve` found, one or T as in `calibration`. Their translations are in the unit of `solved`, not
-  /// millimetres: `solved` in camera c is R_c x_in_world + t_c, and K projects it to pixels. Empty where there are
-  /// none.
+  PoseSequence truth;  ///< in millimetres
+  PoseSequence
+      solved;  ///< as `solve` finds them: with uncertainties, in millimetres if it knew a size, or body lengths
+  /// The cameras that `solve` found, one or T as in `calibration`. Their translations are in the unit of `solved`:
+  /// `solved` in camera c is R_c x_in_world + t_c, and K projects it to pixels. Their world is as in scene/scene.h;
+  /// Sequence::solved_world says what is known of it. Empty where there are none.
   std::vector<Camera> solved_calibration;
   /// Calibration, for evaluation only: one camera, or T of them for a moving camera, in millimetres; empty where there
   /// is none.
@@ -63,6 +65,7 @@ struct Sequence {
   std::vector<std::string> actions{};  ///< what the person does, for protocols that report it; empty where unknown
   std::vector<std::uint8_t> action{};  ///< (T) index into `actions`; empty: all frames are the first one
   std::string truth_kind{};  ///< which of a benchmark's annotations `truth` comes from, "univ_annot3"; may be empty
+  WorldProvenance solved_world{};  ///< what is known of the world of the solved cameras
 };
 
 /// Where the keypoints came from, so that a model can read the same kind of file later. Empty for datasets that were

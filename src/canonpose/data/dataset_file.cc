@@ -13,6 +13,7 @@
 #include "canonpose/data/codecs/file_kind.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/scene/camera_file.h"
+#include "canonpose/scene/provenance_file.h"
 #include "canonpose/scene/skeleton_file.h"
 
 namespace canonpose {
@@ -105,7 +106,8 @@ void ReadSolvedDetails(const h5::Group& group, const Place& place, PoseSequence&
 }
 
 /// frame_count is that of the previous cameras, -1 for the first.
-CameraView ReadCamera(const h5::Group& group, const std::string& name, const Skeleton& skeleton, int* frame_count) {
+CameraView ReadCamera(const h5::Group& group, const std::string& name, const Skeleton& skeleton, LengthUnit solved_unit,
+                      int* frame_count) {
   CameraView view;
   view.name = name;
   const std::vector<std::int64_t> size = group.GetInts("image_size");
@@ -142,7 +144,7 @@ CameraView ReadCamera(const h5::Group& group, const std::string& name, const Ske
     return PosesInCamera(skeleton, std::move(positions), unit, name);
   };
   view.truth = read_poses("truth", LengthUnit::kMillimetres);
-  view.solved = read_poses("solved", LengthUnit::kBodyLengths);
+  view.solved = read_poses("solved", solved_unit);
   if (!view.solved.empty()) ReadSolvedDetails(group, place, view.solved);
   view.calibration = ReadCameras(group, frames);
   view.solved_calibration = ReadCameras(group, frames, "solved_");
@@ -151,6 +153,32 @@ CameraView ReadCamera(const h5::Group& group, const std::string& name, const Ske
 
 std::string DefaultCapture(const Sequence& sequence) {
   return sequence.static_cameras && !sequence.subject.empty() ? sequence.subject : sequence.name;
+}
+
+/// Of solved poses; files from before they could be in millimetres do not say.
+LengthUnit ReadSolvedUnit(const h5::Group& group) {
+  if (!group.HasAttribute("solved_unit")) return LengthUnit::kBodyLengths;
+  const std::string unit = group.GetString("solved_unit");
+  for (const LengthUnit known : {LengthUnit::kMillimetres, LengthUnit::kBodyLengths}) {
+    if (unit == ToString(known)) return known;
+  }
+  group.Fail("attribute solved_unit",
+             fmt::format("\"{}\" or \"{}\"", ToString(LengthUnit::kMillimetres), ToString(LengthUnit::kBodyLengths)),
+             '"' + unit + '"', "");
+}
+
+/// Writes the unit of solved poses and what is known of their world, where there are any.
+void WriteSolvedWorld(h5::Group& group, const Sequence& sequence) {
+  const auto solved =
+      std::ranges::find_if(sequence.cameras, [](const CameraView& view) { return !view.solved.empty(); });
+  if (solved == sequence.cameras.end()) return;
+  const LengthUnit unit = solved->solved.unit;
+  for (const CameraView& view : sequence.cameras) {
+    CANONPOSE_CHECK(view.solved.empty() || view.solved.unit == unit, "{} and {}", ToString(view.solved.unit),
+                    ToString(unit));
+  }
+  if (unit == LengthUnit::kMillimetres) group.SetString("solved_unit", ToString(unit));
+  WriteWorldProvenance(group, sequence.solved_world, "solved_");
 }
 
 void ReadActions(const h5::Group& group, Sequence& sequence) {
@@ -187,10 +215,12 @@ Sequence ReadSequence(const h5::Group& group, const std::string& name, const Ske
   sequence.capture_is_named = !sequence.capture.empty();
   if (!sequence.capture_is_named) sequence.capture = DefaultCapture(sequence);
 
+  const LengthUnit solved_unit = ReadSolvedUnit(group);
+  sequence.solved_world = ReadWorldProvenance(group, "solved_");
   const h5::Group cameras = group.Open("cameras");
   int frame_count = -1;
   for (const std::string& camera : cameras.Children()) {
-    sequence.cameras.push_back(ReadCamera(cameras.Open(camera), camera, skeleton, &frame_count));
+    sequence.cameras.push_back(ReadCamera(cameras.Open(camera), camera, skeleton, solved_unit, &frame_count));
   }
   if (sequence.cameras.empty()) group.Fail("cameras", "at least one camera", "none", "");
   sequence.frame_count = frame_count;
@@ -347,6 +377,7 @@ void DatasetWriter::Add(const Sequence& sequence) {
   if (sequence.capture_is_named && !sequence.capture.empty()) group.SetString("capture", sequence.capture);
   if (!sequence.actions.empty()) group.SetStrings("actions", sequence.actions);
   if (!sequence.truth_kind.empty()) group.SetString("truth_kind", sequence.truth_kind);
+  WriteSolvedWorld(group, sequence);
   h5::Group cameras = group.Create("cameras");
 
   const auto frames = static_cast<std::size_t>(sequence.frame_count);

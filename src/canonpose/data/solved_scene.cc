@@ -36,6 +36,9 @@ Scene SceneOfSolved(const Dataset& dataset, const Sequence& sequence, const std:
   }
   Scene scene;
   scene.name = sequence.name;
+  scene.up = sequence.solved_world.up;
+  scene.floor = sequence.solved_world.floor;
+  scene.scale = sequence.solved_world.scale;
   PoseSequence& person = scene.people.emplace_back(dataset.skeleton, sequence.frame_count);
   person.name = sequence.subject;
   person.fps = sequence.fps;

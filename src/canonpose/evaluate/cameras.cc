@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <Eigen/LU>
 
 #include "canonpose/base/median.h"
+#include "canonpose/evaluate/camera_alignment.h"
 #include "canonpose/geometry/angles.h"
 #include "canonpose/geometry/viewing_ray.h"
 
@@ -17,6 +19,10 @@ double AngleDeg(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   return DegFromRad(2.0 * std::asin(std::min(1.0, (a - b).norm() / std::sqrt(8.0))));
 }
 
+double Mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 }  // namespace
 
 void CameraComparison::AddFrame(const Sequence& sequence, int frame) {
@@ -26,11 +32,19 @@ void CameraComparison::AddFrame(const Sequence& sequence, int frame) {
     Eigen::Matrix3d centred_truth;
   };
   std::vector<Pair> before;
+  CameraPairs pairs;
+  bool is_metric = true;
   for (const CameraView& view : sequence.cameras) {
     if (view.solved_calibration.empty() || view.calibration.empty()) continue;
     const Camera& solved = view.SolvedCalibrationAt(frame);
     const Camera& truth = view.CalibrationAt(frame);
     focals_percent_.push_back(100.0 * std::abs(solved.K(0, 0) / truth.K(0, 0) - 1.0));
+    const auto vertical_fov = [&](const Camera& camera) {
+      return DegFromRad(2.0 * std::atan(view.image_size[1] / (2.0 * camera.K(1, 1))));
+    };
+    fovs_deg_.push_back(std::abs(vertical_fov(solved) - vertical_fov(truth)));
+    pairs.Add(solved, truth);
+    is_metric = is_metric && view.solved.unit == LengthUnit::kMillimetres;
     const Eigen::Vector3d axis = truth.K.inverse() * solved.K.col(2);
     const Pair now{solved.camera_from_world_rotation, truth.camera_from_world_rotation,
                    RotationOntoAxis(axis) * truth.camera_from_world_rotation};
@@ -41,6 +55,8 @@ void CameraComparison::AddFrame(const Sequence& sequence, int frame) {
     }
     before.push_back(now);
   }
+  if (pairs.size() >= 2 && is_metric) translations_mm_.push_back(pairs.MeanDistance(pairs.Rigid()));
+  if (pairs.size() >= 3) scaled_translations_mm_.push_back(pairs.MeanDistance(pairs.WithScale()));
 }
 
 void CameraComparison::Add(const Dataset& dataset) {
@@ -52,7 +68,15 @@ void CameraComparison::Add(const Dataset& dataset) {
 
 std::optional<CameraErrors> CameraComparison::Medians() const {
   if (rotations_deg_.empty()) return std::nullopt;
-  return CameraErrors{Median(rotations_deg_), Median(centred_deg_), Median(focals_percent_)};
+  CameraErrors errors;
+  errors.relative_rotation_deg = Median(rotations_deg_);
+  errors.centred_rotation_deg = Median(centred_deg_);
+  errors.focal_percent = Median(focals_percent_);
+  errors.angle_deg = Mean(rotations_deg_);
+  errors.vertical_fov_deg = Mean(fovs_deg_);
+  if (!translations_mm_.empty()) errors.translation_mm = Mean(translations_mm_);
+  if (!scaled_translations_mm_.empty()) errors.scaled_translation_mm = Mean(scaled_translations_mm_);
+  return errors;
 }
 
 }  // namespace canonpose

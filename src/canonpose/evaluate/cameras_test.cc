@@ -67,6 +67,55 @@ TEST(CameraComparisonTest, AnOffCentreLensIsARotatedCamera) {
   EXPECT_NEAR(comparison.Medians()->centred_rotation_deg, 0.0, 1e-6);
 }
 
+/// Three cameras at the corners of a triangle, solved exactly in another frame and with another scale.
+Dataset ThreePlacedCameras(double scale, LengthUnit unit) {
+  Dataset dataset = TwoCameras();
+  std::vector<CameraView>& views = dataset.sequences[0].cameras;
+  views.push_back(views[0]);
+  const Eigen::Matrix3d rotation = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  const Eigen::Vector3d centres[] = {{0, 0, 0}, {3000, 0, 0}, {0, 0, 4000}};
+  for (std::size_t v = 0; v < 3; ++v) {
+    Camera& truth = views[v].calibration[0];
+    truth.camera_from_world_translation = -truth.camera_from_world_rotation * centres[v];
+    Camera solved = truth;
+    solved.camera_from_world_rotation *= rotation.transpose();
+    solved.camera_from_world_translation *= scale;
+    views[v].solved_calibration = {solved};
+    views[v].image_size = {2000, 2000};
+    views[v].solved.unit = unit;
+  }
+  return dataset;
+}
+
+TEST(CameraComparisonTest, PositionsAreComparedWithAndWithoutScale) {
+  CameraComparison metric;
+  metric.Add(ThreePlacedCameras(1.1, LengthUnit::kMillimetres));
+  EXPECT_NEAR(metric.Medians()->scaled_translation_mm.value(), 0.0, 1e-6);
+  // Each centre is a tenth of its distance from the mean of all too far out.
+  const double expected = 0.1 *
+                          (Eigen::Vector2d(1000, 4000.0 / 3).norm() + Eigen::Vector2d(2000, 4000.0 / 3).norm() +
+                           Eigen::Vector2d(1000, 8000.0 / 3).norm()) /
+                          3.0;
+  EXPECT_NEAR(metric.Medians()->translation_mm.value(), expected, 1e-6);
+
+  CameraComparison without_unit;
+  without_unit.Add(ThreePlacedCameras(0.001, LengthUnit::kBodyLengths));
+  EXPECT_FALSE(without_unit.Medians()->translation_mm);
+  EXPECT_NEAR(without_unit.Medians()->scaled_translation_mm.value(), 0.0, 1e-6);
+}
+
+TEST(CameraComparisonTest, AnglesAreMeansOverPairsAndFieldsOfView) {
+  Dataset dataset = ThreePlacedCameras(1.0, LengthUnit::kMillimetres);
+  Camera& first = dataset.sequences[0].cameras[0].solved_calibration[0];
+  first.camera_from_world_rotation = CameraOf(1.0, 0.03).camera_from_world_rotation * first.camera_from_world_rotation;
+  first.K(1, 1) = 2000.0;
+  CameraComparison comparison;
+  comparison.Add(dataset);
+  EXPECT_NEAR(comparison.Medians()->angle_deg, DegFromRad(0.03) * 2.0 / 3.0, 1e-6);  // two of three pairs
+  // 2000 px high: 90 degrees with a focal length of 1000, 53.13 with 2000.
+  EXPECT_NEAR(comparison.Medians()->vertical_fov_deg, (90.0 - 53.1301) / 3.0, 1e-3);
+}
+
 TEST(CameraComparisonTest, WithoutCamerasToCompareThereIsNoResult) {
   CameraComparison comparison;
   comparison.Add(TwoCameras());

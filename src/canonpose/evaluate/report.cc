@@ -30,6 +30,10 @@ Json ToJson(const CanonicalReport& canonical) {
   return json;
 }
 
+void AddIfKnown(Json& json, const char* key, const std::optional<double>& value) {
+  if (value) json[key] = *value;
+}
+
 void AddFigures(Json& json, const Metrics& metrics, const Protocol& protocol) {
   json["n_mpjpe_mm"] = metrics.n_mpjpe_mm;
   json["p_mpjpe_mm"] = metrics.p_mpjpe_mm;
@@ -59,6 +63,24 @@ std::string AdviceOnMirror(const EvaluationReport& report) {
   return report.mirror_advice.empty() ? "" : fmt::format("\n  Front and back are exchanged: {}.", report.mirror_advice);
 }
 
+std::string CameraPositions(const CameraErrors& cameras) {
+  std::string text = fmt::format("\n  Mean angle error (AE) {:.2f} degrees, vertical field of view {:.2f} degrees",
+                                 cameras.angle_deg, cameras.vertical_fov_deg);
+  if (cameras.translation_mm) text += fmt::format(", position (TE) {:.0f} mm", *cameras.translation_mm);
+  if (cameras.scaled_translation_mm)
+    text += fmt::format(", scaled to fit (s-TE) {:.0f} mm", *cameras.scaled_translation_mm);
+  return text;
+}
+
+std::string WorldLine(const WorldErrors& world) {
+  std::string text = fmt::format(
+      "\nWorld: joints are {:.1f} mm off where they are in the whole recording, after one similarity (WA-MPJPE)",
+      world.wa_mpjpe_mm);
+  if (world.w_mpjpe_mm)
+    text += fmt::format(", {:.1f} mm with cameras aligned, not scaled (W-MPJPE)", *world.w_mpjpe_mm);
+  return text;
+}
+
 /// What was compared with what, and what a reader should know about it.
 std::string Heading(const EvaluationReport& report) {
   std::string text = fmt::format("Protocol: {}\n", report.protocol);
@@ -84,7 +106,9 @@ std::string Heading(const EvaluationReport& report) {
         "\nCameras: relative rotations are {:.2f} degrees off ({:.2f} relative to the solved optical axes), focal "
         "lengths {:.1f} % (medians)",
         report.cameras->relative_rotation_deg, report.cameras->centred_rotation_deg, report.cameras->focal_percent);
+    text += CameraPositions(*report.cameras);
   }
+  if (report.world) text += WorldLine(*report.world);
   for (const std::string& warning : report.warnings) text += fmt::format("\nWarning: {}", warning);
   return text + "\n";
 }
@@ -146,7 +170,16 @@ std::string ReportAsJson(const EvaluationReport& report) {
   if (report.cameras) {
     json["cameras"] = {{"relative_rotation_deg", report.cameras->relative_rotation_deg},
                        {"centred_rotation_deg", report.cameras->centred_rotation_deg},
-                       {"focal_percent", report.cameras->focal_percent}};
+                       {"focal_percent", report.cameras->focal_percent},
+                       {"ae_deg", report.cameras->angle_deg},
+                       {"vfov_error_deg", report.cameras->vertical_fov_deg}};
+    AddIfKnown(json["cameras"], "te_mm", report.cameras->translation_mm);
+    AddIfKnown(json["cameras"], "s_te_mm", report.cameras->scaled_translation_mm);
+  }
+  if (report.world) {
+    json["world"] = {{"wa_mpjpe_mm", report.world->wa_mpjpe_mm}};
+    AddIfKnown(json["world"], "w_mpjpe_mm", report.world->w_mpjpe_mm);
+    json["world"]["pa_mpjpe_mm"] = report.world->pa_mpjpe_mm;
   }
   if (report.canonical) json["canonical"] = ToJson(*report.canonical);
   json["per_sequence"] = GroupsToJson(report.per_sequence);

@@ -11,6 +11,7 @@
 #include "canonpose/evaluate/canonical.h"
 #include "canonpose/evaluate/metrics.h"
 #include "canonpose/evaluate/protocol.h"
+#include "canonpose/evaluate/world.h"
 
 namespace canonpose {
 
@@ -50,6 +51,7 @@ struct EvaluationReport {
   std::map<std::string, MeanErrors> per_action;               ///< empty where no actions are known
   std::vector<std::pair<std::string, MeanErrors>> per_joint;  ///< in the skeleton's order
   std::optional<CameraErrors> cameras;                        ///< if there are both solved cameras and a calibration
+  std::optional<WorldErrors> world;                           ///< of solved poses, if cameras are static
   std::optional<CanonicalReport> canonical;                   ///< if requested
 };
 
@@ -57,10 +59,11 @@ struct EvaluationReport {
 /// `headline` (the key of the main figure), `reference`, `reference_reprojection_error_px` {median, mean} if the
 /// reference was triangulated, `truth_kind` if known, `warnings`, `left_out_sequences`, `missing_predictions`,
 /// `unusable_truths`, `mirrored_percent`, `depth_extent_ratio`, `left_out_joints`, for solved cameras `cameras`
-/// {relative_rotation_deg, centred_rotation_deg, focal_percent}, `by_pose` (the five figures over all poses if the
-/// protocol has another weighting), `per_action` if actions are known, `cps_curve` and `pck_curve` (300 percentages,
-/// for thresholds of 1, 2, ..., 300 mm) and, if requested, `canonical` {hip_std_mm {RHip, LHip}, std_mm, views_mm,
-/// frames_mm, per_joint, poses, left_out}. `frames` and `joints` are numbers.
+/// {relative_rotation_deg, centred_rotation_deg, focal_percent, ae_deg, vfov_error_deg, te_mm, s_te_mm}, for solved
+/// poses `world` {wa_mpjpe_mm, w_mpjpe_mm, pa_mpjpe_mm}, all as docs/evaluation.md defines them, `by_pose` (the five
+/// figures over all poses if the protocol has another weighting), `per_action` if actions are known, `cps_curve` and
+/// `pck_curve` (300 percentages, for thresholds of 1, 2, ..., 300 mm) and, if requested, `canonical` {hip_std_mm {RHip,
+/// LHip}, std_mm, views_mm, frames_mm, per_joint, poses, left_out}. `frames` and `joints` are numbers.
 std::string ReportAsJson(const EvaluationReport& report);
 
 /// A table for the terminal, which also states the protocol in words and the error of a triangulated reference itself.

@@ -9,12 +9,10 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/lift/pose_lifter.h"
+#include "canonpose/skeleton/anthropometry.h"
 
 namespace canonpose {
 namespace {
-
-/// Height above ground of a standing person, as a share of the stature.
-constexpr double kAnkleHeight = 0.039;
 
 struct HeadJoint {
   const char* name;
@@ -54,19 +52,6 @@ double SumOfBones(const float* pose, const Skeleton& skeleton) {
 }
 
 }  // namespace
-
-void RequireHeight(double height_m) {
-  constexpr double kSmallest = 0.3;
-  constexpr double kLargest = 3.0;
-  if (height_m >= kSmallest && height_m <= kLargest) return;
-  std::string advice;
-  for (const auto& [unit, per_metre] : {std::pair("centimetres", 100.0), {"millimetres", 1000.0}}) {
-    const double metres = height_m / per_metre;
-    if (metres >= kSmallest && metres <= kLargest) advice = fmt::format(" (if these are {}, give {:g})", unit, metres);
-  }
-  ThrowInvalidArgument("`height`: expected the person's height in metres, such as 1.75, found {:g}{}", height_m,
-                       advice);
-}
 
 void ScaleToHeight(LiftedPoses& poses, double height_mm) {
   const Skeleton& skeleton = poses.skeleton();

@@ -53,6 +53,7 @@ class Run {
   std::set<std::string> other_formats_;  ///< of data that are not the protocol's benchmark's
   std::set<std::string> truth_kinds_;    ///< "" if a sequence does not say
   CameraComparison cameras_;
+  std::optional<WorldComparison> world_;
   std::int64_t left_out_sequences_ = 0;
   std::int64_t sequences_too_short_ = 0;
   std::vector<std::string> left_out_subjects_;
@@ -67,6 +68,11 @@ void Run::Begin(const Skeleton& skeleton) {
   evaluation_.emplace(skeleton.joints, skeleton.root, job_.left_out, job_.protocol);
   evaluation_->KeepFrameErrors(job_.frame_errors);
   if (job_.canonical) canonical_.emplace(skeleton);
+  std::vector<int> left_out;
+  for (const std::string& joint : job_.left_out) {
+    if (const std::optional<int> index = skeleton.Find(joint)) left_out.push_back(*index);
+  }
+  world_.emplace(std::move(left_out));
 }
 
 void Run::Add(const fs::path& file) {
@@ -88,7 +94,10 @@ void Run::Add(const fs::path& file) {
   const ReferencePoses reference(dataset, file.string());
   reference_.Add(reference);
   if (!reference.triangulated()) AddTruthKinds(dataset);
-  if (job_.with_cameras) cameras_.Add(dataset);
+  if (job_.with_cameras) {
+    cameras_.Add(dataset);
+    world_->Add(dataset, reference.sequences());
+  }
   const std::string prefix = job_.files.size() > 1 ? file.stem().string() + "/" : "";
   long view_count = 0;
   for (const Sequence& sequence : dataset.sequences) view_count += static_cast<long>(sequence.cameras.size());
@@ -150,8 +159,10 @@ void Run::CheckFigures(Dataset& dataset, const std::string& file) {
     CheckUnitOfTruth(dataset, file);
     RequireTruthInCameraFrame(dataset, file);
   }
-  const bool uses_calibration = !dataset.HasTruth() || predictor_.uses_calibration;
-  if (uses_calibration && dataset.HasCalibration() && !CheckCalibration(dataset, file)) reference_is_doubtful_ = true;
+  const bool is_reference = !dataset.HasTruth();
+  const bool uses_calibration = is_reference || predictor_.uses_calibration || job_.with_cameras;
+  if (!uses_calibration || !dataset.HasCalibration() || CheckCalibration(dataset, file)) return;
+  reference_is_doubtful_ = reference_is_doubtful_ || is_reference || predictor_.uses_calibration;
 }
 
 void Run::AddTruthKinds(const Dataset& dataset) {
@@ -224,6 +235,7 @@ EvaluationReport Run::Finish() {
   report.mirror_advice = predictor_.mirror_advice;
   report.left_out_sequences = left_out_sequences_;
   report.cameras = cameras_.Medians();
+  report.world = world_->Means();
   if (canonical_) report.canonical = canonical_->Finish();
   if (canonical_ && !report.canonical) {
     report.warnings.emplace_back(

@@ -17,7 +17,7 @@ struct DatasetEvaluation {
   Protocol protocol;
   std::optional<FrameRange> frames;
   std::vector<std::string> left_out;    ///< joints by name
-  bool with_cameras = false;            ///< also compare solved cameras with calibrated ones
+  bool with_cameras = false;            ///< also compare solved cameras with calibrated ones, and places in the world
   bool canonical = false;               ///< also compare canonical poses with each other
   FrameErrors* frame_errors = nullptr;  ///< filled if it is not null
 };

@@ -69,7 +69,10 @@ void SolveDatasets(TrainJob& job, const std::vector<std::size_t>& numbers) {
   }
   auto solved = together.sequences.begin();
   for (const std::size_t number : numbers) {
-    for (Sequence& sequence : job.datasets[number].sequences) sequence.cameras = std::move((solved++)->cameras);
+    for (Sequence& sequence : job.datasets[number].sequences) {
+      sequence.solved_world = std::move(solved->solved_world);
+      sequence.cameras = std::move((solved++)->cameras);
+    }
     if (writes) WriteDataset(SolvedFile(job, number), job.datasets[number]);
   }
 }

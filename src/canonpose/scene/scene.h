@@ -1,7 +1,8 @@
 // People and cameras in one world: what a recording was turned into, and what viewers, exports and analyses start from.
 //
-// The world is right-handed. Where `up` is known, z points up, the floor is z = 0 and the origin lies below the first
-// known pose of the first person.
+// The world is right-handed. Where `up` is known, z points up, and the origin lies below the first known pose of the
+// first person; where `floor` is known, too, it is z = 0. Where cameras move, z = 0 is about where the feet are, and
+// the person stays above the origin: nothing shows where he or she walks. scene/world.h finds all that.
 #pragma once
 
 #include <array>
@@ -11,14 +12,9 @@
 
 #include "canonpose/geometry/camera.h"
 #include "canonpose/scene/pose_sequence.h"
+#include "canonpose/scene/provenance.h"
 
 namespace canonpose {
-
-/// Something that was found or given, and how: "the height given", "" where it is unknown.
-struct Provenance {
-  std::string source;
-  [[nodiscard]] bool is_known() const { return !source.empty(); }
-};
 
 struct SceneCamera {
   std::string name;
@@ -39,8 +35,9 @@ struct Scene {
   std::string name;
   std::vector<PoseSequence> people;  ///< of the same frames, in the world's coordinates and one unit
   std::vector<SceneCamera> cameras;
-  Provenance up;
-  Provenance scale;
+  Provenance up;     ///< uncertain by degrees
+  Provenance floor;  ///< uncertain by a length in the unit of the people
+  Provenance scale;  ///< uncertain by percents
 
   /// Throws std::logic_error where people differ in unit, frames or times, or are not in the world's coordinates, or a
   /// moving camera lacks one calibration per frame.
@@ -55,7 +52,9 @@ bool IsSceneFile(const std::filesystem::path& path);
 
 /// Layout:
 ///
-///   /                       attributes format = "canonpose-scene", version, name, up, scale (what they are known from)
+///   /                       attributes format = "canonpose-scene", version, name, up, scale (what they are known from,
+///                           "" where they are not); optional: floor, up_uncertainty_degrees, floor_uncertainty,
+///                           scale_uncertainty_percent
 ///   /people/N               attributes name, unit, fps; skeleton: joints, parents, root, mirror
 ///     positions             float32 (T, J, 3), NaN where unknown
 ///     confidence            float32 (T, J) 0..1

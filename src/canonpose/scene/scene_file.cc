@@ -7,6 +7,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/hdf5.h"
 #include "canonpose/scene/camera_file.h"
+#include "canonpose/scene/provenance_file.h"
 #include "canonpose/scene/scene.h"
 #include "canonpose/scene/skeleton_file.h"
 
@@ -144,8 +145,10 @@ Scene ReadScene(const std::filesystem::path& path) {
   CheckFormat(root);
   Scene scene;
   scene.name = root.GetString("name");
-  scene.up.source = root.GetString("up");
-  scene.scale.source = root.GetString("scale");
+  const WorldProvenance world = ReadWorldProvenance(root);
+  scene.up = world.up;
+  scene.floor = world.floor;
+  scene.scale = world.scale;
   const h5::Group people = root.Open("people");
   for (const std::string& number : InOrderOfNumber(people)) {
     scene.people.push_back(ReadPerson(people.Open(number)));
@@ -182,8 +185,10 @@ void WriteScene(const std::filesystem::path& path, const Scene& scene) {
     root.SetString("format", kFormat);
     root.SetInt("version", kVersion);
     root.SetString("name", scene.name);
-    root.SetString("up", scene.up.source);
-    root.SetString("scale", scene.scale.source);
+    // Readers of the first files expect these two even where nothing is known.
+    if (!scene.up.is_known()) root.SetString("up", "");
+    if (!scene.scale.is_known()) root.SetString("scale", "");
+    WriteWorldProvenance(root, {scene.up, scene.floor, scene.scale});
     h5::Group people = root.Create("people");
     for (std::size_t i = 0; i < scene.people.size(); ++i) {
       WritePerson(people.Create(fmt::format("{}", i)), scene.people[i]);

@@ -36,7 +36,8 @@ PoseSequence Person(const std::string& name, int frames) {
 Scene ManyPeople() {
   Scene scene;
   scene.name = "dance";
-  scene.up.source = "the cameras' axes";
+  scene.up = {"the cameras' axes", 0.75};
+  scene.floor.source = "its feet";
   for (int i = 0; i < 11; ++i) scene.people.push_back(Person("person " + std::to_string(i), 4));
   for (PoseSequence& person : scene.people) person.time_seconds = {0.0, 0.04, 0.08, 0.5};
   SceneCamera still;
@@ -75,6 +76,9 @@ TEST(SceneFile, ReadsWhatWasWritten) {
   const Scene read = ReadScene(folder / "scene.h5");
   EXPECT_EQ(read.name, "dance");
   EXPECT_EQ(read.up.source, "the cameras' axes");
+  EXPECT_EQ(read.up.uncertainty, 0.75);
+  EXPECT_EQ(read.floor.source, "its feet");
+  EXPECT_TRUE(std::isnan(read.floor.uncertainty));
   EXPECT_FALSE(read.scale.is_known());
   ASSERT_EQ(read.people.size(), written.people.size());
   for (std::size_t i = 0; i < read.people.size(); ++i) {

@@ -123,6 +123,41 @@ Json WindowsToJson(const std::optional<WindowsSummary>& summary) {
           {"failures", failures}};
 }
 
+/// What is known of the world, a line each.
+std::string DescribeWorld(const CaptureReport& report) {
+  const bool is_metric = report.unit == LengthUnit::kMillimetres;
+  const auto length = [&](double value) {
+    return is_metric ? fmt::format("{:.0f} mm", value) : fmt::format("{:.2g} body lengths", value);
+  };
+  std::string text = "  up          ";
+  text += report.world.up.is_known()
+              ? fmt::format("within {:.1f} degrees, from {}\n", report.world.up.uncertainty, report.world.up.source)
+              : "not known\n";
+  text += "  floor       ";
+  if (report.world.floor.is_known()) {
+    text += fmt::format("within {}, from {}\n", length(report.world.floor.uncertainty), report.world.floor.source);
+  } else if (report.static_cameras) {
+    text += "not known, because the feet are not\n";
+  } else {
+    text += "not known, nor where the person walks, because the cameras move: the person stays at one place\n";
+  }
+  text += "  scale       ";
+  return text + (is_metric ? fmt::format("millimetres within {:.1f} %, from {}\n", report.world.scale.uncertainty,
+                                         report.world.scale.source)
+                           : std::string("not known: all bones of the body together have the length 1\n"));
+}
+
+Json WorldToJson(const CaptureReport& report) {
+  const auto to_json = [](const Provenance& known, const char* uncertainty) -> Json {
+    if (!known.is_known()) return nullptr;
+    return {{"source", known.source}, {uncertainty, CostToJson(known.uncertainty)}};
+  };
+  return {{"unit", ToString(report.unit)},
+          {"up", to_json(report.world.up, "uncertainty_degrees")},
+          {"floor", to_json(report.world.floor, "uncertainty")},
+          {"scale", to_json(report.world.scale, "uncertainty_percent")}};
+}
+
 double LargestViewAngle(const CaptureObservations& capture, const RigEstimate& estimate) {
   double largest = 0.0;
   const int step = std::max(1, capture.frame_count / 100);
@@ -253,6 +288,7 @@ std::string SolveReport::ToText() const {
                           offset.frames < 0 ? "later" : "earlier", offset.clip + 1);
     }
     for (const CameraFinding& finding : capture.findings) text += fmt::format("  found: {}\n", finding.text);
+    text += DescribeWorld(capture);
     text += fmt::format("  left-right swaps corrected: {}\n", capture.swaps_corrected);
     if (!capture.unseen_joints.empty()) {
       text +=
@@ -302,6 +338,7 @@ std::string SolveReport::ToJson() const {
         one["offsets"].push_back({{"clip", offset.clip}, {"camera", offset.camera}, {"frames", offset.frames}});
       }
     }
+    if (capture.failure.empty()) one["world"] = WorldToJson(capture);
     one["findings"] = Json::array();
     for (const CameraFinding& finding : capture.findings) {
       one["findings"].push_back({{"camera", finding.camera},

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "canonpose/scene/pose_sequence.h"
+#include "canonpose/scene/provenance.h"
 #include "canonpose/solve/adjustment.h"
 #include "canonpose/solve/findings.h"
 #include "canonpose/solve/observations.h"
@@ -49,6 +51,8 @@ struct CaptureReport {
   int swaps_corrected = 0;  ///< frames, summed over cameras, in which left and right were exchanged
   std::vector<OffsetReport> offsets;
   std::vector<CameraFinding> findings;
+  WorldProvenance world;                         ///< what is known of the world that the result is in
+  LengthUnit unit = LengthUnit::kBodyLengths;    ///< of the result
   std::vector<std::string> unseen_joints;        ///< that no camera ever sees; they are not in the result
   std::optional<AdjustmentSummary> calibration;  ///< of the cameras; empty where it was not tried
   std::optional<WindowsSummary> windows;         ///< of all frames; empty where they were not tried

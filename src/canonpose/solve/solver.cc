@@ -1,6 +1,7 @@
 #include "canonpose/solve/solver.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -13,6 +14,7 @@
 #include "canonpose/base/median.h"
 #include "canonpose/base/parallel.h"
 #include "canonpose/base/progress.h"
+#include "canonpose/data/solved_world.h"
 #include "canonpose/solve/calibration.h"
 #include "canonpose/solve/camera_check.h"
 #include "canonpose/solve/diagnosis.h"
@@ -221,6 +223,41 @@ void SolveAllFrames(CaptureObservations& capture, const SolveOptions& options, C
   work.report.failure = work.report.Contradiction();
 }
 
+/// What is known of the sizes in a capture.
+WorldMeasures MeasuresOf(const CaptureObservations& capture, const SolveOptions& options, const Dataset& dataset) {
+  if (options.calibrated_scale) {
+    if (!capture.static_cameras) return {};
+    for (const ClipRange& clip : capture.clips) {
+      WorldMeasures measures = DistancesOfCalibration(dataset.sequences[clip.sequence]);
+      if (!measures.distances.empty()) return measures;
+    }
+    return {};
+  }
+  return MeasuresIn(dataset.sequences[capture.clips.front().sequence], options.measures);
+}
+
+/// Places a solved capture in the real world and says so in the report.
+void PlaceCapture(const CaptureObservations& capture, const SolveOptions& options, Dataset& dataset,
+                  CaptureReport& report) {
+  std::vector<std::size_t> sequences;
+  for (const ClipRange& clip : capture.clips) sequences.push_back(clip.sequence);
+  PlaceSolvedInWorld(sequences, MeasuresOf(capture, options, dataset), dataset);
+  for (const std::size_t index : sequences) {
+    const Sequence& sequence = dataset.sequences[index];
+    if (!sequence.solved_world.up.is_known()) continue;
+    report.world = sequence.solved_world;
+    report.unit = sequence.cameras.front().solved.unit;
+  }
+  if (!options.measures.distances.empty() && !report.world.scale.is_known()) {
+    report.warnings.emplace_back("the cameras whose distance is known were not solved, so that the scale is not known");
+  }
+  if (options.calibrated_scale && !report.world.scale.is_known()) {
+    report.warnings.emplace_back(
+        "no two static cameras are both calibrated and solved, so that the calibration does not "
+        "tell the scale");
+  }
+}
+
 /// Throws, with the reason of each, where no capture was solved.
 void RequireOneSolved(const SolveReport& report) {
   std::string reasons;
@@ -238,12 +275,18 @@ void SolveOptions::Validate() const {
   if (mirror != "auto" && mirror != "keep" && mirror != "flip") {
     ThrowInvalidArgument("`mirror`: expected one of auto, keep, flip, found \"{}\"", mirror);
   }
+  const std::array<bool, 3> given = {!measures.heights.empty(), !measures.distances.empty(), calibrated_scale};
+  if (std::ranges::count(given, true) > 1) {
+    ThrowInvalidArgument(
+        "`height`, `camera_distance` and `calibrated_scale` each say how large the scene is; give one of them");
+  }
   if (threads < 0) ThrowInvalidArgument("`threads`: expected 0 or more, found {}", threads);
   CANONPOSE_CHECK(calibration_frames > 0 && window_frames > 0, "{} {}", calibration_frames, window_frames);
 }
 
 SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions& options) {
   options.Validate();
+  RequireMeasuresOf(dataset, options.measures);
   const OneBlasThread one_thread;
   for (Sequence& sequence : dataset.sequences) {
     for (CameraView& view : sequence.cameras) {
@@ -251,6 +294,7 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
       view.solved_calibration.clear();
       view.time_offset_seconds = 0.0;
     }
+    sequence.solved_world = {};
   }
   std::vector<CaptureObservations> captures = CollectCaptures(dataset, start);
   Progress progress("solve", static_cast<long>(2 * captures.size()));
@@ -272,6 +316,7 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
     if (!HasFailed(works[c])) {
       works[c].report.mirror_is_a_guess = works[c].report.mirror.starts_with("undecided") && !start.knows_depth_sign;
       WriteSolution(captures[c], works[c].solution, *works[c].check, dataset);
+      PlaceCapture(captures[c], options, dataset, works[c].report);
     } else {
       WriteNothing(captures[c], dataset);
     }

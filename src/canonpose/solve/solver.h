@@ -8,32 +8,37 @@
 //      (camera_check.h). Moving cameras: each subject's bone lengths are then the medians over all of its captures.
 //   3. All frames: those in which the detector swapped left and right are corrected (swaps.h), and all are adjusted in
 //      windows (windows.h).
-//   4. The report (report.h).
+//   4. The solution is placed in the real world: up, floor and, if a size is known, millimetres (scene/world.h).
+//   5. The report (report.h).
 #pragma once
 
 #include <string>
 
 #include "canonpose/data/dataset.h"
+#include "canonpose/scene/world.h"
 #include "canonpose/solve/observations.h"
 #include "canonpose/solve/report.h"
 
 namespace canonpose {
 
 struct SolveOptions {
-  std::string mirror = "auto";   ///< of the start's poses; auto: decided by perspective; keep, flip: by request
-  int calibration_frames = 400;  ///< from which the cameras of a static capture are found
-  int window_frames = 128;       ///< solved at once
-  int threads = 0;               ///< 0: one per core; the result does not depend on it
+  std::string mirror = "auto";    ///< of the start's poses; auto: decided by perspective; keep, flip: by request
+  int calibration_frames = 400;   ///< from which the cameras of a static capture are found
+  int window_frames = 128;        ///< solved at once
+  int threads = 0;                ///< 0: one per core; the result does not depend on it
+  WorldMeasures measures{};       ///< of people or between cameras, for millimetres
+  bool calibrated_scale = false;  ///< millimetres by the distances between calibrated cameras instead
 
   /// Throws Error(kInvalidArgument).
   void Validate() const;
 };
 
 /// Solves every capture of the dataset and sets `solved` and `solved_calibration`; what was there before is removed.
-/// Lengths are in the unit in which the bones of the capture's first subject add up to 1. What could not be solved is
-/// NaN, and the report says why.
+/// Lengths are in millimetres where a size is known, otherwise in the unit in which the bones of the capture's first
+/// subject add up to 1. What could not be solved is NaN, and the report says why.
 ///
-/// Throws Error(kComputation) with the reasons where no capture can be solved.
+/// Throws Error(kComputation) with the reasons where no capture can be solved, Error(kInvalidArgument) where `measures`
+/// are of others than the people and cameras of the dataset.
 SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions& options);
 
 }  // namespace canonpose

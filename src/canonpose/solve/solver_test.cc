@@ -13,6 +13,8 @@
 
 #include "canonpose/base/median.h"
 #include "canonpose/base/testing.h"
+#include "canonpose/geometry/angles.h"
+#include "canonpose/scene/stature.h"
 #include "canonpose/solve/calibration.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/solve_testing.h"
@@ -95,6 +97,44 @@ TEST(Solve, ExactKeypointsOfAStaticRigGiveTheTruth) {
       }
     }
   }
+}
+
+TEST(Solve, AHeightGivesMillimetresInAnUprightWorld) {
+  Dataset dataset = ExactCapture();
+  SolveOptions options;
+  options.measures.heights = {{"", EstimateStature(dataset.sequences[0].cameras[0].truth)->stature}};
+  const SolveReport report = Solve(dataset, testing::NoisyTruth(dataset), options);
+  const CaptureReport& capture = report.captures[0];
+  EXPECT_EQ(capture.unit, LengthUnit::kMillimetres);
+  EXPECT_THAT(capture.world.scale.source, HasSubstr("the height given"));
+  EXPECT_THAT(report.ToText(), AllOf(HasSubstr("  up          within "), HasSubstr("  floor       within "),
+                                     HasSubstr("  scale       millimetres within 2.0 %")));
+  EXPECT_THAT(report.ToJson(), HasSubstr("\"unit\": \"mm\""));
+  for (const CameraView& view : dataset.sequences[0].cameras) {
+    EXPECT_EQ(view.solved.unit, LengthUnit::kMillimetres);
+    // Up and the height above the floor, in the camera's frame and at its centre, are the same in both worlds.
+    const Camera& solved = view.solved_calibration[0];
+    const Camera& truth = view.calibration[0];
+    EXPECT_GT(solved.camera_from_world_rotation.col(2).dot(truth.camera_from_world_rotation.col(2)),
+              std::cos(RadFromDeg(1.5)));
+    const auto height = [](const Camera& camera) {
+      return -camera.camera_from_world_rotation.col(2).dot(camera.camera_from_world_translation);
+    };
+    EXPECT_NEAR(height(solved), height(truth), 120.0);  // 5 m away, an angle of 1 degree is 87 mm
+    for (int t = 0; t < view.solved.frame_count(); t += 20) {
+      EXPECT_LT((view.solved.PoseAt(t) - view.truth.PoseAt(t)).rowwise().norm().maxCoeff(), 10.0F) << view.name;
+    }
+  }
+}
+
+TEST(Solve, MeasuresMustBeOfWhatTheDataShow) {
+  Dataset dataset = ExactCapture();
+  const StartPoses start = testing::NoisyTruth(dataset);
+  SolveOptions options;
+  options.measures.heights = {{"nobody", 1750.0}};
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { Solve(dataset, start, options); }), HasSubstr("nobody"));
+  options.calibrated_scale = true;
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { Solve(dataset, start, options); }), HasSubstr("give one"));
 }
 
 /// The mirror of the start's poses in depth.

@@ -1,0 +1,14 @@
+// The scenes in a file, whatever kind of file it is.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "canonpose/scene/scene.h"
+
+namespace canonpose {
+
+/// Reads a scene file, or a scene for every sequence of a solved dataset. Throws Error(kBadInput).
+std::vector<Scene> ReadScenes(const std::filesystem::path& path);
+
+}  // namespace canonpose

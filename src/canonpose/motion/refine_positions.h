@@ -1,0 +1,25 @@
+// Inverse kinematics of a whole body: small rotations of all joints that bring the joints of a hierarchy to where they
+// were seen.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "canonpose/motion/articulated_motion.h"
+
+namespace canonpose {
+
+/// Where joints were seen: (T, J). A weight of 0 stands for a joint that was not; its position is ignored.
+struct SeenJoints {
+  std::vector<Eigen::Vector3d> positions_mm;
+  std::vector<double> weights;
+};
+
+/// Changes, in every frame by itself, the rotations of the joints that `rotates` (J) names and the root's position so
+/// that the weighted squares of the distances to the seen joints become least. Rotations resist (Levenberg's damping,
+/// towards the rotations that come in), so that what no joint shows, such as the twist of a straight limb, stays as it
+/// is. Frames without any seen joint stay as they are.
+void RefinePositions(ArticulatedMotion& motion, const std::vector<bool>& rotates, const SeenJoints& seen);
+
+}  // namespace canonpose

@@ -27,8 +27,8 @@ void AddCapsule(const Vector3d& from, const Vector3d& to, double from_radius, do
     const double latitude = 0.5 * std::numbers::pi * (is_start ? ring - kRings + 1 : ring - kRings) / (kRings - 1);
     for (int i = 0; i < kAround; ++i) {
       const double longitude = 2.0 * std::numbers::pi * i / kAround;
-      const Vector3d normal = std::sin(latitude) * axis + std::cos(latitude) * (std::cos(longitude) * side +
-                                                                                std::sin(longitude) * other);
+      const Vector3d normal =
+          std::sin(latitude) * axis + std::cos(latitude) * (std::cos(longitude) * side + std::sin(longitude) * other);
       mesh.positions_mm.push_back(is_start ? from + from_radius * normal : to + to_radius * normal);
       mesh.normals.push_back(normal.normalized());
       mesh.joints.push_back(joint);

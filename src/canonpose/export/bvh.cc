@@ -195,7 +195,8 @@ std::vector<std::filesystem::path> WriteSceneBvh(const std::filesystem::path& pa
       file.replace_filename(
           fmt::format("{}-{}{}", path.stem().string(), ForFileName(fit.motion.name), path.extension().string()));
       if (std::ranges::find(files, file) != files.end()) {
-        file.replace_filename(fmt::format("{}-{}{}", file.stem().string(), files.size() + 1, path.extension().string()));
+        file.replace_filename(
+            fmt::format("{}-{}{}", file.stem().string(), files.size() + 1, path.extension().string()));
       }
     }
     WriteBvh(file, fit.motion);

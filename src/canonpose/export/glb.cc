@@ -248,8 +248,7 @@ class GlbWriter {
     primitive.attributes["POSITION"] =
         buffer_.AddFloats(flat(positions), TINYGLTF_TYPE_VEC3, GlbBuffer::Use::kVertices, true);
     if (!normals.empty()) {
-      primitive.attributes["NORMAL"] =
-          buffer_.AddFloats(flat(normals), TINYGLTF_TYPE_VEC3, GlbBuffer::Use::kVertices);
+      primitive.attributes["NORMAL"] = buffer_.AddFloats(flat(normals), TINYGLTF_TYPE_VEC3, GlbBuffer::Use::kVertices);
     }
     primitive.indices = buffer_.AddIndices(indices);
     return primitive;
@@ -344,8 +343,7 @@ class GlbWriter {
                                           corner(0.35 * width, -0.05 * height),
                                           corner(0.65 * width, -0.05 * height),
                                           corner(0.5 * width, -0.25 * height)};
-    return MakePrimitive(points, {},
-                         {0, 1, 0, 2, 0, 3, 0, 4, 1, 2, 2, 3, 3, 4, 4, 1, 5, 6, 6, 7, 7, 5});
+    return MakePrimitive(points, {}, {0, 1, 0, 2, 0, 3, 0, 4, 1, 2, 2, 3, 3, 4, 4, 1, 5, 6, 6, 7, 7, 5});
   }
 
   /// A square below all people, with a margin.

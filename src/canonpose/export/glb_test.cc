@@ -1,7 +1,5 @@
 #include "canonpose/export/glb.h"
 
-#include <sys/wait.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -14,6 +12,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <tiny_gltf.h>
 
 #include "canonpose/base/atomic_file.h"
@@ -31,9 +30,9 @@ using Eigen::Isometry3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using ::testing::AllOf;
-using ::testing::HasSubstr;
 using testing::CollectedMessages;
 using testing::ErrorOf;
+using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 constexpr int kFrames = 60;
@@ -226,8 +225,7 @@ TEST(WriteSceneGlb, LeftIsBlueAndRightVermilion) {
   const TemporaryFolder folder;
   WriteSceneGlb(folder / "walk.glb", MakeScene(1), {});
   const GlbFile file(folder / "walk.glb");
-  const auto mesh = static_cast<std::size_t>(
-      file.model.nodes[static_cast<std::size_t>(file.Find("anna body"))].mesh);
+  const auto mesh = static_cast<std::size_t>(file.model.nodes[static_cast<std::size_t>(file.Find("anna body"))].mesh);
   const Vector3d root = file.At(file.Find("Hip"), -1).translation();
   int sides = 0;
   for (const tinygltf::Primitive& primitive : file.model.meshes[mesh].primitives) {
@@ -274,10 +272,10 @@ TEST(WriteSceneGlb, UnknownUpAndScaleAreTakenFromThePeopleAndSaid) {
   const GlbFile file(folder / "walk.glb");
   EXPECT_THAT(file.model.scenes[0].extras.Get("scale").Get<std::string>(), HasSubstr("unknown"));
   for (const tinygltf::Node& node : file.model.nodes) EXPECT_NE(node.name, "floor");
-  const Vector3d ankles = 0.5 * (file.At(file.Find("LFoot"), 20).translation() +
-                                 file.At(file.Find("RFoot"), 20).translation());
-  const Vector3d shoulders = 0.5 * (file.At(file.Find("LShoulder"), 20).translation() +
-                                    file.At(file.Find("RShoulder"), 20).translation());
+  const Vector3d ankles =
+      0.5 * (file.At(file.Find("LFoot"), 20).translation() + file.At(file.Find("RFoot"), 20).translation());
+  const Vector3d shoulders =
+      0.5 * (file.At(file.Find("LShoulder"), 20).translation() + file.At(file.Find("RShoulder"), 20).translation());
   EXPECT_GT((shoulders - ankles).normalized().y(), 0.9);
   EXPECT_NEAR(shoulders.y(), 1.3, 0.2);
   const Vector3d wrist = file.At(file.Find("LWrist"), 20).translation();
@@ -304,8 +302,7 @@ TEST(WriteSceneGlb, SaysWhatItNeeds) {
               AllOf(HasSubstr("walk"), HasSubstr("`height`")));
   scene = MakeScene(1);
   std::fill(scene.people[0].positions().begin(), scene.people[0].positions().end(), std::nanf(""));
-  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { WriteSceneGlb(folder / "a.glb", scene, {}); }),
-              HasSubstr("nobody"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { WriteSceneGlb(folder / "a.glb", scene, {}); }), HasSubstr("nobody"));
   EXPECT_FALSE(std::filesystem::exists(folder / "a.glb"));
 }
 
@@ -380,8 +377,8 @@ TEST(GltfValidator, FindsNoErrorInOurFiles) {
   const TemporaryFolder folder;
   for (const int people : {1, 2}) {
     WriteSceneGlb(folder / "walk.glb", MakeScene(people), {});
-    const int result = RunScript(fmt::format("check-glb {} > {} 2>&1", (folder / "walk.glb").string(),
-                                             (folder / "log.txt").string()));
+    const int result =
+        RunScript(fmt::format("check-glb {} > {} 2>&1", (folder / "walk.glb").string(), (folder / "log.txt").string()));
     if (result == 77) GTEST_SKIP() << "gltf-validator is not installed";
     EXPECT_EQ(result, 0);
     EXPECT_THAT(ReadFile(folder / "log.txt"), HasSubstr("0 errors, 0 warnings"));

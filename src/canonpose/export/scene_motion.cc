@@ -123,8 +123,8 @@ PoseSequence InMillimetres(const PoseSequence& person, const ToMillimetres& to_m
 Camera InMillimetres(Camera camera, const ToMillimetres& to_mm) {
   // scale * x_in_camera = R * rotation^T * (point_mm - translation_mm) + scale * t
   camera.camera_from_world_rotation *= to_mm.rotation.transpose();
-  camera.camera_from_world_translation = to_mm.scale * camera.camera_from_world_translation -
-                                         camera.camera_from_world_rotation * to_mm.translation_mm;
+  camera.camera_from_world_translation =
+      to_mm.scale * camera.camera_from_world_translation - camera.camera_from_world_rotation * to_mm.translation_mm;
   return camera;
 }
 
@@ -151,7 +151,7 @@ std::string Describe(const std::vector<UnseenFrames>& unseen) {
   for (std::size_t i = 0; i < unseen.size() && i < kMost; ++i) {
     std::string span = i > 0 && unseen[i].joint == unseen[i - 1].joint ? "" : unseen[i].joint + ' ';
     span += unseen[i].first == unseen[i].last ? fmt::format("{}", unseen[i].first)
-                                               : fmt::format("{}-{}", unseen[i].first, unseen[i].last);
+                                              : fmt::format("{}-{}", unseen[i].first, unseen[i].last);
     spans.push_back(span);
   }
   return fmt::format("{}{}", fmt::join(spans, ", "),
@@ -160,10 +160,11 @@ std::string Describe(const std::vector<UnseenFrames>& unseen) {
 
 void Report(const HierarchyFit& fit) {
   const std::string& name = fit.motion.name;
-  LogInfo("{}: the hierarchy's joints are {:.1f} mm ({:.1f} % of the stature) from the poses' in the mean, at most "
-          "{:.0f} mm ({}, frame {})",
-          name, fit.mean_error_mm, 100.0 * fit.mean_error_mm / fit.stature_mm, fit.largest_error_mm, fit.worst_joint,
-          fit.worst_frame);
+  LogInfo(
+      "{}: the hierarchy's joints are {:.1f} mm ({:.1f} % of the stature) from the poses' in the mean, at most "
+      "{:.0f} mm ({}, frame {})",
+      name, fit.mean_error_mm, 100.0 * fit.mean_error_mm / fit.stature_mm, fit.largest_error_mm, fit.worst_joint,
+      fit.worst_frame);
   if (!fit.unseen.empty()) {
     LogInfo("{}: rotations are interpolated or held where joints are unknown, in the frames {}", name,
             Describe(fit.unseen));

@@ -14,12 +14,12 @@ struct MotionExportOptions {
 };
 
 struct SceneMotion {
-  std::vector<HierarchyFit> people;     ///< those of the scene who are ever seen; each with a name of its own
-  std::vector<SceneCamera> cameras;     ///< those that are calibrated, mm
-  std::vector<double> times_seconds;    ///< (T) from 0 on
-  std::string up;                       ///< what it is known from, for the file
-  std::string scale;                    ///< likewise
-  bool has_floor = false;               ///< whether z = 0 is known to be the floor
+  std::vector<HierarchyFit> people;   ///< those of the scene who are ever seen; each with a name of its own
+  std::vector<SceneCamera> cameras;   ///< those that are calibrated, mm
+  std::vector<double> times_seconds;  ///< (T) from 0 on
+  std::string up;                     ///< what it is known from, for the file
+  std::string scale;                  ///< likewise
+  bool has_floor = false;             ///< whether z = 0 is known to be the floor
 };
 
 /// Fits a hierarchy to each person, and says by LogInfo() how well it fits and which frames lack joints.

@@ -22,8 +22,8 @@ constexpr double kSure = 1000.0;
 /// Feet show the twist of straight legs, roughly.
 constexpr double kRough = 0.1;
 constexpr double kSpineOfTrunk = 0.475;  // of the distance from hips to thorax, as in Human3.6M's skeleton
-constexpr double kSkullOfHead = 0.45;   // of the distance from thorax to crown
-constexpr double kSkullToFace = 0.6;   // of the distance from thorax to the middle of the ears, the eyes or to the nose
+constexpr double kSkullOfHead = 0.45;    // of the distance from thorax to crown
+constexpr double kSkullToFace = 0.6;  // of the distance from thorax to the middle of the ears, the eyes or to the nose
 
 Vector3d Unknown() { return Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
@@ -63,8 +63,7 @@ void BodyMeasures::FindKeypoints(const PoseSequence& person) {
   for (const FittedJoint joint : {kFLHip, kFRHip, kFLShoulder, kFRShoulder}) {
     if (KeypointOf(joint) >= 0) continue;
     ThrowBadInput({person.name.empty() ? "a person" : person.name, "skeleton", "hips and shoulders",
-                   fmt::format("no {}", NameOf(joint, JointNames::kOurs)),
-                   "a hierarchy can be fitted to people only"});
+                   fmt::format("no {}", NameOf(joint, JointNames::kOurs)), "a hierarchy can be fitted to people only"});
   }
 }
 
@@ -76,6 +75,7 @@ void BodyMeasures::ReadPositions(const PoseSequence& person) {
       if (KeypointOf(j) < 0 || !person.IsKnown(t, KeypointOf(j))) continue;
       positions_[Index(t, j)] = person.PoseAt(t).row(KeypointOf(j)).transpose().cast<double>();
       is_seen_[Index(t, j)] = 1;
+      is_ever_seen_[static_cast<std::size_t>(j)] = true;
     }
   }
   if (IsEverSeen(kFCrown)) {
@@ -108,13 +108,6 @@ void BodyMeasures::DeriveJoints() {
     derive(kFSkull, thorax + kSkullToFace * (middle(kFLEye, kFREye) - thorax));
     derive(kFSkull, thorax + kSkullToFace * Between(t, kFThorax, kFNose));
   }
-}
-
-bool BodyMeasures::IsEverSeen(int joint) const {
-  for (int t = 0; t < frames_; ++t) {
-    if (IsSeen(t, joint)) return true;
-  }
-  return false;
 }
 
 double BodyMeasures::MedianDistance(int from, int to) const {

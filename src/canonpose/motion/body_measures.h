@@ -37,7 +37,7 @@ class BodyMeasures {
   [[nodiscard]] bool IsKnown(int frame, int joint) const { return At(frame, joint).allFinite(); }
   /// Whether the position is a keypoint's.
   [[nodiscard]] bool IsSeen(int frame, int joint) const { return is_seen_[Index(frame, joint)] != 0; }
-  [[nodiscard]] bool IsEverSeen(int joint) const;
+  [[nodiscard]] bool IsEverSeen(int joint) const { return is_ever_seen_[static_cast<std::size_t>(joint)]; }
 
   /// The median distance of two joints over the frames in which both are known; 0 where there are none.
   [[nodiscard]] double MedianDistance(int from, int to) const;
@@ -74,6 +74,7 @@ class BodyMeasures {
   int frames_ = 0;
   double stature_mm_ = 0.0;
   std::array<int, kFittedJointCount> keypoints_{};
+  std::array<bool, kFittedJointCount> is_ever_seen_{};
   HeadKind head_ = HeadKind::kNothing;
   std::array<FootKind, 2> feet_{FootKind::kNothing, FootKind::kNothing};
   std::vector<Eigen::Vector3d> positions_;  // (T, kFittedJointCount)

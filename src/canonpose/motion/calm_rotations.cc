@@ -64,7 +64,7 @@ Complex TurnToNext(const Frames& frames, const std::vector<Aim>& aims, std::size
 /// Twists of the known frames. Solves the normal equations, which are tridiagonal and Hermitian.
 std::vector<double> Twists(const Frames& frames, const std::vector<Aim>& aims, double calm) {
   const std::size_t count = frames.index.size();
-  std::vector<Complex> turn(count);     // to the next frame
+  std::vector<Complex> turn(count);      // to the next frame
   std::vector<double> link(count, 0.0);  // weight of the next frame's difference
   for (std::size_t i = 0; i + 1 < count; ++i) {
     turn[i] = TurnToNext(frames, aims, i);

@@ -18,7 +18,7 @@ struct TwistHint {
 
 /// What one frame shows of a bone.
 struct Aim {
-  bool is_known = false;                                ///< whether `direction` is
+  bool is_known = false;                                 ///< whether `direction` is
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< of the bone in its parent's frame, of length 1
   std::vector<TwistHint> hints;
 };
@@ -28,9 +28,9 @@ struct Aim {
 /// the last; it is the identity where no frame is known.
 ///
 /// The twist about the direction minimises, as a complex number of length 1, the weighted squares of its differences
-/// from the hints, from no twist (the smallest rotation from rest; very lightly), and from the previous frame's, carried
-/// along without twist (with weight `calm`, in frames squared: a hint of weight 1 is averaged over about sqrt(calm)
-/// frames). Evidence that is weak is thereby averaged over a longer time.
+/// from the hints, from no twist (the smallest rotation from rest; very lightly), and from the previous frame's,
+/// carried along without twist (with weight `calm`, in frames squared: a hint of weight 1 is averaged over about
+/// sqrt(calm) frames). Evidence that is weak is thereby averaged over a longer time.
 std::vector<Eigen::Quaterniond> CalmRotations(const Eigen::Vector3d& axis_in_joint, const std::vector<Aim>& aims,
                                               double calm);
 

@@ -32,8 +32,8 @@ Aim AimAt(const Vector3d& direction) {
 }
 
 TEST(CalmRotations, FollowTheDirectionAndTheHint) {
-  const Quaterniond truth = Eigen::AngleAxisd(0.8, Vector3d(1, 2, -1).normalized()) *
-                            Eigen::AngleAxisd(2.5, Vector3d::UnitX());
+  const Quaterniond truth =
+      Eigen::AngleAxisd(0.8, Vector3d(1, 2, -1).normalized()) * Eigen::AngleAxisd(2.5, Vector3d::UnitX());
   Aim aim = AimAt(truth * Vector3d::UnitX());
   aim.hints.push_back({Vector3d::UnitY(), truth * Vector3d::UnitY(), 1000.0});
   const std::vector<Quaterniond> rotations = CalmRotations(Vector3d::UnitX(), {aim, aim, aim}, kCalm);
@@ -69,9 +69,9 @@ TEST(CalmRotations, WeakHintsOfRandomDirectionAreAveraged) {
   const std::vector<Quaterniond> rotations = CalmRotations(Vector3d::UnitX(), aims, kCalm);
   EXPECT_LT(LargestStepDegrees(rotations), 3.0);
   for (const int t : {10, 45, 255, 290}) {
-    EXPECT_LT(rotations[static_cast<std::size_t>(t)].angularDistance(
-                  Quaterniond(Eigen::AngleAxisd(0.5, Vector3d::UnitX()))),
-              0.1)
+    EXPECT_LT(
+        rotations[static_cast<std::size_t>(t)].angularDistance(Quaterniond(Eigen::AngleAxisd(0.5, Vector3d::UnitX()))),
+        0.1)
         << t;
   }
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/median.h"
 #include "canonpose/motion/body_measures.h"
 #include "canonpose/motion/calm_rotations.h"
 #include "canonpose/motion/refine_positions.h"
@@ -18,6 +19,11 @@ using Eigen::Vector3d;
 constexpr double kUsualFps = 30.0;
 /// Certain evidence of a twist is averaged over about this time.
 constexpr double kCalmSeconds = 0.05;
+/// Well below the length of a limb.
+constexpr double kResistanceMm = 30.0;
+/// A spine or a neck that no keypoint shows must not fold, first to this side and then to that, because a trunk that
+/// bends is shorter than its median length.
+constexpr double kStiffMm = 300.0;
 // Joints that follow from others guide the refinement, but do not compete with those that were seen.
 constexpr double kWeightOfDerivedThorax = 0.05;
 constexpr double kWeightOfDerivedJoint = 0.02;
@@ -166,6 +172,8 @@ class RotationFitter {
     rotations_.resize(positions_.size());
     for (int j = 0; j < kFittedJointCount; ++j) FitJoint(static_cast<FittedJoint>(j));
     Refine();
+    MeasureRigidPoints();
+    Refine();
     return std::move(motion_);
   }
 
@@ -213,7 +221,9 @@ class RotationFitter {
       }
     }
     const bool is_shown = std::any_of(aims.begin(), aims.end(), [](const Aim& aim) { return aim.is_known; });
-    rotates_.push_back(is_shown);
+    const bool is_spine = joint == kFLumbar || joint == kFSpine || joint == kFChest;
+    const bool is_stiff = (is_spine && !body_.IsEverSeen(kFSpine)) || (joint == kFThorax && !body_.IsEverSeen(kFSkull));
+    resistance_mm_.push_back(!is_shown ? 0.0 : is_stiff ? kStiffMm : kResistanceMm);
     const std::vector<Quaterniond> locals = CalmRotations(AxisOf(joint), aims, calm_);
     for (int t = 0; t < frames_; ++t) {
       const Quaterniond& local = locals[static_cast<std::size_t>(t)];
@@ -230,11 +240,38 @@ class RotationFitter {
     return aim;
   }
 
+  /// Points that are fixed to pelvis, skull and feet were measured in frames made of single keypoints; the refined
+  /// frames are better.
+  void MeasureRigidPoints() {
+    for (int t = 0; t < frames_; ++t) {
+      ForwardKinematics(motion_, t, frame_positions_, frame_rotations_);
+      std::copy(frame_positions_.begin(), frame_positions_.end(), &positions_[Index(t, 0)]);
+      std::copy(frame_rotations_.begin(), frame_rotations_.end(), &rotations_[Index(t, 0)]);
+    }
+    for (const FittedJoint joint : {kFCrown, kFNose, kFLEye, kFREye, kFLEar, kFREar, kFLHip, kFRHip, kFLHeel, kFRHeel,
+                                    kFLBigToe, kFRBigToe, kFLSmallToe, kFRSmallToe}) {
+      const int parent = HierarchyTemplate()[joint].parent;
+      std::array<std::vector<double>, 3> values;
+      for (int t = 0; t < frames_; ++t) {
+        if (!body_.IsSeen(t, joint)) continue;
+        const Vector3d local =
+            rotations_[Index(t, parent)].conjugate() * (body_.At(t, joint) - positions_[Index(t, parent)]);
+        for (std::size_t axis = 0; axis < 3; ++axis) values[axis].push_back(local[static_cast<Eigen::Index>(axis)]);
+      }
+      if (values[0].empty()) continue;
+      motion_.joints[static_cast<std::size_t>(joint)].offset_mm = {Median(values[0]), Median(values[1]),
+                                                                   Median(values[2])};
+    }
+  }
+
   void Refine() {
     SeenJoints seen;
     seen.positions_mm.resize(positions_.size());
     seen.weights.assign(positions_.size(), 0.0);
     for (int t = 0; t < frames_; ++t) {
+      // Where the pelvis is unknown, it must not leave its interpolated position for the sake of, say, a single wrist.
+      seen.positions_mm[Index(t, kFHip)] = motion_.root_position_mm[static_cast<std::size_t>(t)];
+      seen.weights[Index(t, kFHip)] = 1.0;
       for (int j = 0; j < kFittedJointCount; ++j) {
         if (!body_.IsKnown(t, j)) continue;
         double weight = 0.0;
@@ -247,7 +284,7 @@ class RotationFitter {
         seen.weights[Index(t, j)] = weight;
       }
     }
-    RefinePositions(motion_, rotates_, seen);
+    RefinePositions(motion_, resistance_mm_, seen);
   }
 
   const BodyMeasures& body_;
@@ -256,7 +293,9 @@ class RotationFitter {
   ArticulatedMotion motion_;
   std::vector<Vector3d> positions_;     // (T, J) world
   std::vector<Quaterniond> rotations_;  // (T, J) world_from_joint
-  std::vector<bool> rotates_;           // (J)
+  std::vector<double> resistance_mm_;   // (J)
+  std::vector<Vector3d> frame_positions_;
+  std::vector<Quaterniond> frame_rotations_;
 };
 
 /// Without the joints that `names` lacks or that were not seen, all of which are leaves.
@@ -275,8 +314,8 @@ void KeepJoints(const BodyMeasures& body, JointNames names, HierarchyFit& fit) {
   std::vector<MotionJoint> joints;
   for (const std::size_t j : kept) {
     const int parent = rows[j].parent;
-    joints.push_back({NameOf(static_cast<FittedJoint>(j), names), parent < 0 ? -1 : index[static_cast<std::size_t>(parent)],
-                      motion.joints[j].offset_mm});
+    joints.push_back({NameOf(static_cast<FittedJoint>(j), names),
+                      parent < 0 ? -1 : index[static_cast<std::size_t>(parent)], motion.joints[j].offset_mm});
     fit.roles.push_back(static_cast<FittedJoint>(j));
     fit.keypoints.push_back(body.KeypointOf(static_cast<int>(j)));
   }

@@ -30,7 +30,7 @@ struct HierarchyFit {
   std::string worst_joint;
   int worst_frame = 0;
 
-  std::vector<UnseenFrames> unseen;      ///< of joints that were seen in other frames
+  std::vector<UnseenFrames> unseen;     ///< of joints that were seen in other frames
   std::vector<std::string> never_seen;  ///< joints whose bones have the length of an average body, at rest
 };
 

@@ -61,8 +61,8 @@ struct TemplateJoint {
   const char* ours;
   const char* mixamo;  ///< "" where Mixamo's rigs have no such joint
   int parent;
-  const char* part;  ///< of FindPart(); "" where no skeleton of ours has a keypoint for it
-  bool rotates;      ///< relative to its parent, as far as keypoints show it
+  const char* part;   ///< of FindPart(); "" where no skeleton of ours has a keypoint for it
+  bool rotates;       ///< relative to its parent, as far as keypoints show it
   bool only_if_seen;  ///< it is left out for skeletons that lack its keypoint
 };
 

@@ -15,15 +15,12 @@ namespace canonpose::testing {
 
 /// A joint of a person of about 1.75 m in a T, looking towards -y, mm; zero where `part` (FindPart()) is unknown.
 inline Eigen::Vector3d InTPose(const std::string& part) {
-  static const std::map<std::string, Eigen::Vector3d> kMiddle = {{"pelvis", {0, 0, 930}},
-                                                                 {"spine", {0, 0, 1170}},
-                                                                 {"thorax", {0, 0, 1435}},
-                                                                 {"upperneck", {0, 0, 1510}},
-                                                                 {"nose", {0, -115, 1590}},
-                                                                 {"headtop", {0, 0, 1750}}};
+  static const std::map<std::string, Eigen::Vector3d> kMiddle = {{"pelvis", {0, 0, 930}},   {"spine", {0, 0, 1170}},
+                                                                 {"thorax", {0, 0, 1435}},  {"upperneck", {0, 0, 1510}},
+                                                                 {"nose", {0, -115, 1590}}, {"headtop", {0, 0, 1750}}};
   static const std::map<std::string, Eigen::Vector3d> kLeft = {
-      {"hip", {88, 0, 930}},     {"knee", {88, 0, 502}},     {"ankle", {88, 0, 70}},     {"shoulder", {182, 0, 1435}},
-      {"elbow", {505, 0, 1435}}, {"wrist", {762, 0, 1435}},  {"eye", {32, -85, 1635}},   {"ear", {74, -10, 1615}},
+      {"hip", {88, 0, 930}},     {"knee", {88, 0, 502}},     {"ankle", {88, 0, 70}},       {"shoulder", {182, 0, 1435}},
+      {"elbow", {505, 0, 1435}}, {"wrist", {762, 0, 1435}},  {"eye", {32, -85, 1635}},     {"ear", {74, -10, 1615}},
       {"heel", {88, 62, 20}},    {"bigtoe", {70, -195, 15}}, {"smalltoe", {140, -155, 15}}};
   if (const auto found = kMiddle.find(part); found != kMiddle.end()) return found->second;
   const auto found = kLeft.find(part.substr(1));
@@ -68,10 +65,10 @@ inline void Animate(int frames, double phase, HierarchyFit& fit) {
       } else if (role == kFSkull) {
         q = AngleAxisd(0.4 * std::sin(a), Vector3d::UnitZ()) * AngleAxisd(0.2 * std::cos(a), Vector3d::UnitX());
       } else if (role == kFLShoulder || role == kFRShoulder) {
-        q = AngleAxisd(sign * (0.9 + 0.3 * swing), Vector3d::UnitY()) *
-            AngleAxisd(0.6 * swing, Vector3d::UnitZ()) * AngleAxisd(0.3 * swing, Vector3d::UnitX());
+        q = AngleAxisd(sign * (0.9 + 0.3 * swing), Vector3d::UnitY()) * AngleAxisd(0.6 * swing, Vector3d::UnitZ()) *
+            AngleAxisd(0.3 * swing, Vector3d::UnitX());
       } else if (role == kFLElbow || role == kFRElbow) {
-        q = AngleAxisd(-sign * (0.7 + 0.6 * swing), Vector3d::UnitZ());
+        q = AngleAxisd(-sign * (0.9 + 0.5 * swing), Vector3d::UnitZ());
       } else if (role == kFLHip || role == kFRHip) {
         q = AngleAxisd(-0.5 * swing - 0.2, Vector3d::UnitX()) * AngleAxisd(0.2 * swing, Vector3d::UnitZ());
       } else if (role == kFLKnee || role == kFRKnee) {

@@ -15,8 +15,6 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr int kIterations = 4;
-/// A rotation by 1 rad costs as much as this distance of a joint, which is well below the length of a limb.
-constexpr double kResistanceMm = 30.0;
 /// The root follows the others freely.
 constexpr double kRootResistance = 1e-4;
 constexpr int kFramesPerPiece = 64;
@@ -36,12 +34,13 @@ Quaterniond RotationBy(const Vector3d& rotation_vector) {
 /// Unknowns of a frame: the root's position, then the rotation vector, in the world's axes, of each joint that rotates.
 class FrameSolver {
  public:
-  FrameSolver(ArticulatedMotion& motion, const std::vector<bool>& rotates, const SeenJoints& seen)
-      : motion_(motion), seen_(seen), column_(motion.joints.size(), -1) {
-    for (std::size_t j = 0; j < rotates.size(); ++j) {
-      if (!rotates[j]) continue;
+  FrameSolver(ArticulatedMotion& motion, const std::vector<double>& resistance_mm, const SeenJoints& seen)
+      : motion_(motion), seen_(seen), column_(motion.joints.size(), -1), resistance_(3, kRootResistance) {
+    for (std::size_t j = 0; j < resistance_mm.size(); ++j) {
+      if (resistance_mm[j] <= 0.0) continue;
       column_[j] = size_;
       size_ += 3;
+      resistance_.insert(resistance_.end(), 3, resistance_mm[j] * resistance_mm[j]);
     }
     normal_.resize(size_, size_);
     gradient_.resize(size_);
@@ -68,7 +67,7 @@ class FrameSolver {
     }
     // Resistance towards the rotations that came in, so it counts the changes of earlier steps, too.
     for (int i = 0; i < size_; ++i) {
-      const double resistance = i < 3 ? kRootResistance : kResistanceMm * kResistanceMm;
+      const double resistance = resistance_[static_cast<std::size_t>(i)];
       normal_(i, i) += resistance;
       gradient_(i) -= resistance * (i < 3 ? 0.0 : change_(i));
     }
@@ -114,7 +113,8 @@ class FrameSolver {
 
   ArticulatedMotion& motion_;
   const SeenJoints& seen_;
-  std::vector<int> column_;  // first unknown of each joint's rotation; -1 where it does not rotate
+  std::vector<int> column_;         // first unknown of each joint's rotation; -1 where it does not rotate
+  std::vector<double> resistance_;  // of each unknown
   int size_ = 3;
   Eigen::MatrixXd normal_;
   Eigen::VectorXd gradient_;
@@ -127,15 +127,16 @@ class FrameSolver {
 
 }  // namespace
 
-void RefinePositions(ArticulatedMotion& motion, const std::vector<bool>& rotates, const SeenJoints& seen) {
+void RefinePositions(ArticulatedMotion& motion, const std::vector<double>& resistance_mm, const SeenJoints& seen) {
   const std::size_t joints = motion.joints.size();
   const auto frames = static_cast<std::size_t>(motion.frame_count());
-  CANONPOSE_CHECK(rotates.size() == joints && seen.weights.size() == frames * joints &&
+  CANONPOSE_CHECK(resistance_mm.size() == joints && seen.weights.size() == frames * joints &&
                       seen.positions_mm.size() == frames * joints,
-                  "{} joints, {} frames, {} flags, {} weights", joints, frames, rotates.size(), seen.weights.size());
+                  "{} joints, {} frames, {} resistances, {} weights", joints, frames, resistance_mm.size(),
+                  seen.weights.size());
   const int pieces = (motion.frame_count() + kFramesPerPiece - 1) / kFramesPerPiece;
   InParallel(pieces, ThreadsToUse(0), [&](int piece) {
-    FrameSolver solver(motion, rotates, seen);
+    FrameSolver solver(motion, resistance_mm, seen);
     const auto first = static_cast<std::size_t>(piece) * kFramesPerPiece;
     for (std::size_t t = first; t < std::min(frames, first + kFramesPerPiece); ++t) solver.Solve(t);
   });

@@ -16,10 +16,11 @@ struct SeenJoints {
   std::vector<double> weights;
 };
 
-/// Changes, in every frame by itself, the rotations of the joints that `rotates` (J) names and the root's position so
-/// that the weighted squares of the distances to the seen joints become least. Rotations resist (Levenberg's damping,
-/// towards the rotations that come in), so that what no joint shows, such as the twist of a straight limb, stays as it
-/// is. Frames without any seen joint stay as they are.
-void RefinePositions(ArticulatedMotion& motion, const std::vector<bool>& rotates, const SeenJoints& seen);
+/// Changes, in every frame by itself, the rotations of joints and the root's position so that the weighted squares of
+/// the distances to the seen joints become least. Rotations resist, towards those that come in, so that what no joint
+/// shows, such as the twist of a straight limb, stays as it is: turning joint j by 1 rad costs as much as moving a seen
+/// joint of weight 1 by resistance_mm[j]. A joint with resistance 0 does not turn. Frames without any seen joint stay
+/// as they are.
+void RefinePositions(ArticulatedMotion& motion, const std::vector<double>& resistance_mm, const SeenJoints& seen);
 
 }  // namespace canonpose

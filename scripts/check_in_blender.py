@@ -12,7 +12,7 @@ LIMIT_M = 0.001
 # uses numpy.bool. Both are gone since.
 _open = builtins.open
 builtins.open = lambda file, mode="r", *rest, **named: _open(file, mode.replace("U", ""), *rest, **named)
-if not hasattr(numpy, "bool"):
+if "bool" not in vars(numpy):
     numpy.bool = bool
 
 
@@ -24,7 +24,7 @@ def import_file(path, fps):
     bpy.ops.object.delete()
     if path.endswith(".bvh"):
         # Files have centimetres and y up.
-        bpy.ops.import_anim.bvh(filepath=path, global_scale=0.01, frame_start=0, use_fps_scale=False,
+        bpy.ops.import_anim.bvh(filepath=path, global_scale=0.01, frame_start=1, use_fps_scale=False,
                                 axis_forward="-Z", axis_up="Y", update_scene_fps=False)
     else:
         scene.render.fps_base = 1.0  # its reader ignores it
@@ -35,20 +35,20 @@ def main():
     path, table, fps = sys.argv[sys.argv.index("--") + 1:][:3]
     fps = float(fps)
     import_file(path, fps)
-    rate = fps if path.endswith(".bvh") else round(fps)
+    is_bvh = path.endswith(".bvh")
+    rate, first = (fps, 1) if is_bvh else (round(fps), 0)
     armatures = {item.name: item for item in bpy.data.objects if item.type == "ARMATURE"}
     print("armatures:", ", ".join(sorted(armatures)))
     largest, count, frame = 0.0, 0, None
     with _open(table) as file:
         rows = sorted(csv.DictReader(file), key=lambda row: float(row["seconds"]))
     for row in rows:
-        wanted = float(row["seconds"]) * rate
+        wanted = first + float(row["seconds"]) * rate
         if wanted != frame:
             frame = wanted
             bpy.context.scene.frame_set(int(frame + 1e-6), subframe=max(0.0, frame - int(frame + 1e-6)))
-        armature = armatures[row["person"]] if row["person"] in armatures else None
-        if armature is None and len(armatures) == 1:
-            armature = next(iter(armatures.values()))
+        # A BVH file has one person, and Blender calls it as the file.
+        armature = next(iter(armatures.values())) if is_bvh else armatures[row["person"]]
         bone = armature.pose.bones[row["joint"]]
         position = armature.matrix_world @ bone.head
         distance = sum((position[i] - float(row["xyz"[i]])) ** 2 for i in range(3)) ** 0.5

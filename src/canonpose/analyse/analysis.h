@@ -26,12 +26,12 @@ struct FootContact {
 struct Analysis {
   std::vector<TimeSeries> angles;           ///< degrees; docs/analysis.md defines each
   std::vector<TimeSeries> segment_lengths;  ///< in the unit of the poses
-  std::vector<TimeSeries> symmetry;   ///< of each pair of segments and angles: (left - right) / mean, or left - right
-  std::vector<FootContact> contacts;  ///< by first frame; empty where the floor or the feet are unknown
+  std::vector<TimeSeries> symmetry;         ///< of each pair of segments and angles: (left - right) / mean, or left - right
+  std::vector<FootContact> contacts;        ///< by first frame; empty where the floor or the feet are unknown
 };
 
-/// Of poses in any unit. Quantities whose joints the skeleton lacks are left out; those of single frames whose joints
-/// are unknown are NaN. Angles that refer to the floor need poses in a world whose z points up.
+/// Of poses in any unit. Quantities whose joints the skeleton lacks are left out; those of single frames whose joints are
+/// unknown are NaN. Angles that refer to the floor need poses in a world whose z points up.
 Analysis Analyse(const PoseSequence& person, bool up_is_known);
 
 }  // namespace canonpose

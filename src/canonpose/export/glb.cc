@@ -28,6 +28,7 @@ using tinygltf::Value;
 constexpr double kMetresPerMm = 0.001;
 constexpr double kFrustumMm = 300.0;
 constexpr double kNearPlane = 0.05;
+constexpr double kFarPlane = 1000.0;  // tinygltf 2.7 writes an unknown one as 0, which is an error
 constexpr double kFloorMarginMm = 1000.0;
 
 Vector3d InFile(const Vector3d& mm) { return kMetresPerMm * YUpFromZUp(mm); }
@@ -159,15 +160,20 @@ class GlbWriter {
     tinygltf::Skin skin;
     skin.name = motion.name;
     std::vector<float> inverse_binds;
-    const auto first = static_cast<int>(model_.nodes.size());
+    // Joints of several people must not have the top of the scene in common: Blender would make one armature of them.
+    tinygltf::Node person;
+    person.name = motion.name;
+    person.extras = ExtrasOf(fit);
+    const int person_node = AddNode(person, true);
+    const int first = person_node + 1;
     for (std::size_t j = 0; j < motion.joints.size(); ++j) {
       const MotionJoint& joint = motion.joints[j];
       tinygltf::Node node;
       node.name = joint.name;
       node.translation = ToList(InFile(joint.parent < 0 ? root_mm : joint.offset_mm));
-      if (joint.parent < 0) node.extras = ExtrasOf(fit);
-      const int index = AddNode(node, joint.parent < 0);
-      if (joint.parent >= 0) model_.nodes[static_cast<std::size_t>(first + joint.parent)].children.push_back(index);
+      const int index = AddNode(node, false);
+      const int parent = joint.parent < 0 ? person_node : first + joint.parent;
+      model_.nodes[static_cast<std::size_t>(parent)].children.push_back(index);
       skin.joints.push_back(index);
       const Vector3d position = InFile(root_mm + rest[j]);
       // Column by column: the identity, then the translation.
@@ -183,8 +189,7 @@ class GlbWriter {
   }
 
   static Value ExtrasOf(const HierarchyFit& fit) {
-    return Value(Object{{"person", Value(fit.motion.name)},
-                        {"stature_mm", Value(fit.stature_mm)},
+    return Value(Object{{"stature_mm", Value(fit.stature_mm)},
                         {"mean_error_mm", Value(fit.mean_error_mm)},
                         {"largest_error_mm", Value(fit.largest_error_mm)}});
   }
@@ -292,6 +297,7 @@ class GlbWriter {
     lens.perspective.yfov = 2.0 * std::atan(0.5 * height / middle.K(1, 1));
     lens.perspective.aspectRatio = (width / middle.K(0, 0)) / (height / middle.K(1, 1));
     lens.perspective.znear = kNearPlane;
+    lens.perspective.zfar = kFarPlane;
     model_.cameras.push_back(lens);
     const int frustum = AddMesh(camera.name + " frustum", FrustumOf(middle, width, height), kLineMaterial);
     tinygltf::Node shape;

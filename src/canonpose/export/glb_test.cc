@@ -180,7 +180,7 @@ TEST(WriteSceneGlb, TimesRiseAndChannelsAreUnique) {
   ASSERT_EQ(file.model.animations.size(), 1U);
   std::map<std::pair<int, std::string>, int> channels;
   for (const tinygltf::AnimationChannel& channel : file.model.animations[0].channels)
-    EXPECT_EQ(++channels[{channel.target_node, channel.target_path}], 1);
+    EXPECT_EQ(++channels[std::pair(channel.target_node, channel.target_path)], 1);
   const int input = file.model.animations[0].samplers[0].input;
   const std::vector<float> times = file.Floats(input);
   ASSERT_EQ(times.size(), static_cast<std::size_t>(kFrames));

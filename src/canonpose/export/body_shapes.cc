@@ -81,10 +81,12 @@ class ShapeBuilder {
     const Vector3d hips = At(kFLHip) - At(kFRHip);
     Add(kFHip, At(kFRHip) + 0.15 * hips, At(kFLHip) - 0.15 * hips, 0.052, 0.052, BodySide::kMiddle);
     AddBone(kFLumbar, kFSpine, 0.055, 0.056, BodySide::kMiddle);
-    AddBone(kFSpine, kFChest, 0.056, 0.064, BodySide::kMiddle);
-    const Vector3d shoulders = 0.3 * (At(kFLShoulder) - At(kFRShoulder));
-    const Vector3d chest = 0.5 * (At(kFChest) + At(kFThorax));
-    Add(kFChest, chest - shoulders, chest + shoulders, 0.055, 0.055, BodySide::kMiddle);
+    AddBone(kFSpine, kFChest, 0.056, 0.066, BodySide::kMiddle);
+    const Vector3d height = At(kFThorax) - At(kFChest);
+    const Vector3d shoulders = 0.2 * (At(kFLShoulder) - At(kFRShoulder));
+    const Vector3d ribs = At(kFChest) + 0.55 * height;
+    Add(kFChest, At(kFChest), ribs, 0.066, 0.06, BodySide::kMiddle);
+    Add(kFChest, ribs - shoulders, ribs + shoulders, 0.05, 0.05, BodySide::kMiddle);
     AddBone(kFThorax, kFSkull, 0.03, 0.028, BodySide::kMiddle);
   }
 

@@ -21,8 +21,8 @@ constexpr double kUsualFps = 30.0;
 constexpr double kCalmSeconds = 0.05;
 /// Well below the length of a limb.
 constexpr double kResistanceMm = 30.0;
-/// A spine or a neck that no keypoint shows must not fold, first to this side and then to that, because a trunk that
-/// bends is shorter than its median length.
+/// A spine that no keypoint shows must not fold, first to this side and then to that, because a trunk that bends is
+/// shorter than its median length.
 constexpr double kStiffMm = 300.0;
 // Joints that follow from others guide the refinement, but do not compete with those that were seen.
 constexpr double kWeightOfDerivedThorax = 0.05;
@@ -222,7 +222,7 @@ class RotationFitter {
     }
     const bool is_shown = std::any_of(aims.begin(), aims.end(), [](const Aim& aim) { return aim.is_known; });
     const bool is_spine = joint == kFLumbar || joint == kFSpine || joint == kFChest;
-    const bool is_stiff = (is_spine && !body_.IsEverSeen(kFSpine)) || (joint == kFThorax && !body_.IsEverSeen(kFSkull));
+    const bool is_stiff = is_spine && !body_.IsEverSeen(kFSpine);
     resistance_mm_.push_back(!is_shown ? 0.0 : is_stiff ? kStiffMm : kResistanceMm);
     const std::vector<Quaterniond> locals = CalmRotations(AxisOf(joint), aims, calm_);
     for (int t = 0; t < frames_; ++t) {

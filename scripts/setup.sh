@@ -4,7 +4,7 @@
 CANONPOSE_PACKAGES="
   g++ cmake ninja-build pkg-config
   libtorch-dev libopenblas-pthread-dev
-  libeigen3-dev libceres-dev libhdf5-dev libzip-dev zlib1g-dev libmatio-dev
+  libeigen3-dev libceres-dev libhdf5-dev libzip-dev zlib1g-dev libmatio-dev libtinygltf-dev
   nlohmann-json3-dev libcli11-dev libfmt-dev libspdlog-dev
   libgtest-dev libgmock-dev"
 

@@ -1,6 +1,8 @@
 #include "canonpose/export/bvh.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <numbers>
@@ -12,6 +14,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
+#include "canonpose/base/log.h"
 #include "canonpose/geometry/angles.h"
 #include "canonpose/motion/channels.h"
 
@@ -156,10 +159,50 @@ class BvhWriter {
   std::string text_;
 };
 
+/// The name with what file systems or shells do not like replaced.
+std::string ForFileName(std::string name) {
+  for (char& c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_' && c != '.') c = '_';
+  }
+  return name;
+}
+
+void WarnOfUnevenTimes(const std::vector<double>& times) {
+  if (times.size() < 3) return;
+  const double step = times.back() / static_cast<double>(times.size() - 1);
+  double largest = 0.0;
+  for (std::size_t t = 0; t < times.size(); ++t)
+    largest = std::max(largest, std::abs(times[t] - step * static_cast<double>(t)));
+  if (largest < 0.5 * step) return;
+  LogWarning("frames are unevenly spaced, which BVH cannot say: they are up to {:.3f} s from where it has them",
+             largest);
+}
+
 }  // namespace
 
 void WriteBvh(const std::filesystem::path& path, const ArticulatedMotion& motion) {
   WriteFileAtomically(path, BvhWriter(motion).Write());
+}
+
+std::vector<std::filesystem::path> WriteSceneBvh(const std::filesystem::path& path, const Scene& scene,
+                                                 const MotionExportOptions& options) {
+  const SceneMotion motion = MakeSceneMotion(scene, options);
+  WarnOfUnevenTimes(motion.times_seconds);
+  std::vector<std::filesystem::path> files;
+  for (const HierarchyFit& fit : motion.people) {
+    std::filesystem::path file = path;
+    if (motion.people.size() > 1) {
+      file.replace_filename(
+          fmt::format("{}-{}{}", path.stem().string(), ForFileName(fit.motion.name), path.extension().string()));
+      if (std::ranges::find(files, file) != files.end()) {
+        file.replace_filename(
+            fmt::format("{}-{}{}", file.stem().string(), files.size() + 1, path.extension().string()));
+      }
+    }
+    WriteBvh(file, fit.motion);
+    files.push_back(file);
+  }
+  return files;
 }
 
 }  // namespace canonpose

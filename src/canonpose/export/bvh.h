@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
+#include "canonpose/export/scene_motion.h"
 #include "canonpose/motion/articulated_motion.h"
 
 namespace canonpose {
@@ -16,5 +18,12 @@ namespace canonpose {
 /// order of a depth-first traversal, and the same positions to 0.01 mm. Names must not contain braces or line ends.
 /// Throws Error(kBadInput) where the file cannot be written.
 void WriteBvh(const std::filesystem::path& path, const ArticulatedMotion& motion);
+
+/// Writes each person of a scene (MakeSceneMotion()). A file of this format has one hierarchy: one person gets `path`,
+/// each of several a file beside it with their name, "walk-anna.bvh" for walk.bvh. All have the same axes, origin and
+/// frames; the frame time is the mean one, and LogWarning() says where frames are unevenly spaced. Returns the files.
+/// Throws Error(kBadInput).
+std::vector<std::filesystem::path> WriteSceneBvh(const std::filesystem::path& path, const Scene& scene,
+                                                 const MotionExportOptions& options);
 
 }  // namespace canonpose

@@ -11,6 +11,7 @@ set(CANONPOSE_PUBLIC_HEADERS
   simulate/simulator.h
   evaluate/report.h
   solve/solver.h
+  analyse/analysis.h analyse/filter.h
   export/lift_output.h
   pipeline/bootstrap.h pipeline/evaluate_datasets.h)
 if(CANONPOSE_WITH_TORCH)

@@ -231,20 +231,15 @@ void ExportScenes(const ExportArguments& arguments) {
                    "a frame rate, which " + std::string(format.extension) + " files state", "none",
                    "give it with --fps"});
   }
-  if (format.holds_positions) {
-    WarnOfUnknowns(jobs, options);
-  } else if (!jobs.front().scene.up.is_known()) {
-    LogWarning("{}: angles against the floor are left out, since which way is up is unknown",
-               jobs.front().output.string());
-  }
+  if (format.uses_file_space) WarnOfUnknowns(jobs, options);
   for (const ExportJob& job : jobs) {
     options.seen_by = job.seen_by;
     options.processing = Describe(arguments.filter);
     format.write(job.output, job.scene, options);
     const PoseSequence& first = job.scene.people.front();
-    LogInfo("{}: {} frames of {} joints{}, {}", job.output.string(), first.frame_count(), first.joint_count(),
+    LogInfo("{}: {} frames of {} joints{}{}", job.output.string(), first.frame_count(), first.joint_count(),
             job.scene.people.size() > 1 ? fmt::format(" of {} people", job.scene.people.size()) : "",
-            format.holds_positions ? DescribeSpace(job.scene, {job.scene, options.up, options.unit}) : "in degrees");
+            format.uses_file_space ? ", " + DescribeSpace(job.scene, {job.scene, options.up, options.unit}) : "");
   }
 }
 

@@ -6,6 +6,7 @@
 #include "canonpose/analyse/analysis.h"
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
+#include "canonpose/base/log.h"
 #include "canonpose/base/names.h"
 #include "canonpose/export/angle_table.h"
 #include "canonpose/export/c3d.h"
@@ -31,7 +32,10 @@ void ExportC3d(const std::filesystem::path& path, const Scene& scene, const Expo
 /// The angles as they pose a model of OpenSim.
 std::vector<TimeSeries> OpenSimAngles(const PoseSequence& person, bool up_is_known) {
   std::vector<TimeSeries> angles = Analyse(person, up_is_known).angles;
-  if (!up_is_known) return angles;
+  if (!up_is_known) {
+    LogWarning("angles against the floor are left out, since which way is up is unknown");
+    return angles;
+  }
   for (TimeSeries& pelvis : OpenSimPelvis(person)) {
     const auto same = std::ranges::find(angles, pelvis.name, &TimeSeries::name);
     (same == angles.end() ? angles.emplace_back() : *same) = std::move(pelvis);

@@ -32,7 +32,9 @@ struct SceneFormat {
   /// Writes a scene, atomically. Throws Error(kBadInput) where the file cannot be written, and Error(kInvalidArgument)
   /// where the format cannot hold the scene.
   void (*write)(const std::filesystem::path& path, const Scene& scene, const ExportOptions& options);
-  bool holds_positions = true;  ///< and so has a unit and axes
+  /// Whether positions are as FileSpace has them. Otherwise the writer says by LogWarning() what it does where up or
+  /// scale is unknown.
+  bool uses_file_space = true;
 };
 
 /// In the order shown to users.

@@ -7,11 +7,12 @@ set(CANONPOSE_PUBLIC_HEADERS
   skeleton/skeleton.h
   geometry/camera.h
   scene/lifted_poses.h scene/pose_sequence.h scene/scene.h scene/world.h
-  data/choice.h data/dataset.h data/import.h data/solved_scene.h data/readers/benchmarks/benchmark.h
+  data/choice.h data/dataset.h data/import.h data/read_scenes.h data/solved_scene.h data/readers/benchmarks/benchmark.h
   simulate/simulator.h
   evaluate/report.h
   solve/solver.h
-  export/lift_output.h
+  analyse/analysis.h analyse/filter.h
+  export/calibration.h export/lift_output.h export/scene_formats.h
   pipeline/bootstrap.h pipeline/evaluate_datasets.h)
 if(CANONPOSE_WITH_TORCH)
   list(APPEND CANONPOSE_PUBLIC_HEADERS train/trainer.h lift/pose_lifter.h pipeline/solve_then_train.h)

@@ -5,7 +5,7 @@ CANONPOSE_PACKAGES="
   g++ cmake ninja-build pkg-config
   libtorch-dev libopenblas-pthread-dev
   libeigen3-dev libceres-dev libhdf5-dev libzip-dev zlib1g-dev libmatio-dev libtinygltf-dev
-  nlohmann-json3-dev libcli11-dev libfmt-dev libspdlog-dev
+  nlohmann-json3-dev libcli11-dev libfmt-dev libspdlog-dev libtomlplusplus-dev libpugixml-dev libyaml-cpp-dev
   libgtest-dev libgmock-dev"
 
 say() { printf '\n== %s\n' "$*" >&2; }

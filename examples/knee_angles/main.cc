@@ -1,37 +1,26 @@
 // knee_angles DATA.h5: finds the 3D poses of a recording from its keypoints alone and prints, for each camera's view of
 // them, how far the right knee bends.
-#include <algorithm>
-#include <cmath>
 #include <iostream>
-#include <numbers>
+#include <vector>
 
+#include <canonpose/analyse/analysis.h>
 #include <canonpose/base/error.h>
 #include <canonpose/pipeline/bootstrap.h>
 #include <canonpose/solve/solver.h>
 
 namespace {
 
-using Pose = Eigen::Map<const canonpose::PoseSequence::Pose>;
-
-/// Degrees that the joint between two limbs is away from straight; NaN where a joint is unknown.
-double BendDeg(const Pose& pose, int above, int joint, int below) {
-  const Eigen::RowVector3f upper = pose.row(joint) - pose.row(above);
-  const Eigen::RowVector3f lower = pose.row(below) - pose.row(joint);
-  const double cosine = upper.normalized().dot(lower.normalized());
-  return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
-}
-
 void PrintKneeAngles(const canonpose::Dataset& dataset) {
-  const canonpose::Skeleton& skeleton = dataset.skeleton;
-  const int hip = skeleton.Find("RHip").value();
-  const int knee = skeleton.Find("RKnee").value();
-  const int ankle = skeleton.Find("RFoot").value();
   for (const canonpose::Sequence& sequence : dataset.sequences) {
+    std::vector<std::vector<double>> knees;  // of each camera's view
+    for (const canonpose::CameraView& view : sequence.cameras) {
+      if (view.solved.empty()) continue;  // a camera that was left out
+      const canonpose::Analysis analysis = canonpose::Analyse(view.solved, false);
+      knees.push_back(canonpose::FindSeries(analysis.angles, "knee_angle_r")->values);
+    }
     for (int frame = 0; frame < sequence.frame_count; ++frame) {
       std::cout << sequence.name << ' ' << frame;
-      for (const canonpose::CameraView& view : sequence.cameras) {
-        std::cout << ' ' << BendDeg(view.solved.PoseAt(frame), hip, knee, ankle);
-      }
+      for (const std::vector<double>& knee : knees) std::cout << ' ' << knee.at(frame);
       std::cout << '\n';
     }
   }

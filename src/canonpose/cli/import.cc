@@ -192,9 +192,10 @@ void AddImportCommand(CLI::App& app) {
       ->type_name("[NAME=]WxH")
       ->allow_extra_args(false);
   command
-      ->add_option(
-          "--calibration", arguments->calibration,
-          "Calibration as JSON (3dhp-train: camera.calibration); for evaluation only, training does not use it")
+      ->add_option("--calibration", arguments->calibration,
+                   "Calibration as JSON, of Pose2Sim or aniposelib (.toml), OpenCV (.yml) or Qualisys (.qca.txt), or, "
+                   "for 3dhp-train, "
+                   "camera.calibration; for evaluation only, training does not use it")
       ->type_name("FILE");
   command
       ->add_option(

@@ -161,7 +161,8 @@ void AddLiftCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("lift", "Lift the 2D poses of a single camera to 3D");
   command->add_option("model", arguments->model, "A model file, or the folder of a finished run")->required();
   command->add_option("input", arguments->input, "A dataset, or a detector's files of one camera")->required();
-  command->add_option("-o,--output", arguments->output, "Where to write: .npz, .csv or .json")->required();
+  command->add_option("-o,--output", arguments->output, "Where to write: .npz, .csv, .json, or .h5 for a scene")
+      ->required();
   command->add_option("--camera", arguments->camera, "Which camera, if the input holds several");
   command->add_option("--sequence", arguments->sequence, "Which sequence, if the dataset holds several");
   command->add_option("--frames", arguments->frames, "Frames A-B of the dataset only, counted from 0");

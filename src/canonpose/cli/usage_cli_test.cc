@@ -33,7 +33,7 @@ TEST(Usage, HelpAndVersionAreCommandsToo) {
   EXPECT_EQ(version.exit_code, 0) << version.errors;
   EXPECT_EQ(version.output, Execute({"--version"}).output);
   for (const std::string command :
-       {"import", "simulate", "train", "train-morph", "evaluate", "solve", "lift", "info"}) {
+       {"import", "simulate", "train", "train-morph", "evaluate", "solve", "lift", "export", "info"}) {
     EXPECT_THAT(help.output, HasSubstr(command));
     const Outcome of_command = Execute({"help", command});
     EXPECT_EQ(of_command.exit_code, 0) << command << of_command.errors;
@@ -90,7 +90,7 @@ TEST(Usage, OnlyCommandsThatInvolveChanceHaveASeed) {
   for (const std::string command : {"simulate", "solve", "train", "train-morph"}) {
     EXPECT_THAT(Execute({command, "--help"}).output, HasSubstr("--seed")) << command;
   }
-  for (const std::string command : {"evaluate", "import", "info", "lift"}) {
+  for (const std::string command : {"evaluate", "export", "import", "info", "lift"}) {
     EXPECT_THAT(Execute({command, "--help"}).output, Not(HasSubstr("--seed"))) << command;
     ExpectMistake({command, "--seed", "1"}, HasSubstr(command + " has no option --seed"));
   }

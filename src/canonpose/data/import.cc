@@ -131,6 +131,17 @@ ImageSize ImageSizeOf(const CameraInput& camera, const ImportOptions& options, c
   return *calibrated.image_size;
 }
 
+/// One camera, or one per frame.
+std::vector<Camera> CamerasOf(const CalibratedCamera& calibrated, int frame_count, const std::string& name,
+                              const std::string& file) {
+  if (calibrated.per_frame.empty()) return {calibrated.camera};
+  if (std::ssize(calibrated.per_frame) != frame_count) {
+    ThrowBadInput({file, "cameras." + name, fmt::format("{} frames, as the keypoints have", frame_count),
+                   fmt::format("{}", calibrated.per_frame.size()), "give the calibration of this very recording"});
+  }
+  return calibrated.per_frame;
+}
+
 void RefuseFractions(const KeypointClip& clip) {
   float largest = 0.0F;
   for (const float coordinate : clip.keypoints) {
@@ -360,8 +371,10 @@ Dataset ImportDetections(const ImportOptions& options) {
     CheckImageSize(clips[i], sizes[i]);
     CameraView view = MapClip(clips[i], mapping, scale);
     view.image_size = sizes[i];
-    if (!options.calibration.empty())
-      view.calibration = {FindCalibration(calibration, view.name, options.calibration).camera};
+    if (!options.calibration.empty()) {
+      view.calibration = CamerasOf(FindCalibration(calibration, view.name, options.calibration), sequence.frame_count,
+                                   view.name, options.calibration.string());
+    }
     sequence.cameras.push_back(std::move(view));
   }
   dataset.sequences.push_back(std::move(sequence));

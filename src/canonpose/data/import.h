@@ -25,7 +25,7 @@ struct ImportOptions {
   std::map<std::string, int> camera_person;  ///< the same for single cameras
   std::array<int, 2> image_size{0, 0};       ///< width, height in pixels of all cameras; 0: from `calibration`
   std::map<std::string, std::array<int, 2>> camera_image_size;  ///< the same for single cameras
-  std::filesystem::path calibration;                            ///< JSON with the cameras by name; empty: none
+  std::filesystem::path calibration;                            ///< the cameras by name (calibration.h); empty: none
   FrameAlignment alignment = FrameAlignment::kAutomatic;
   std::string name = "clip";  ///< of the sequence
   std::string subject;        ///< empty: the sequence's name

@@ -5,31 +5,21 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/atomic_file.h"
+#include "canonpose/export/csv_cell.h"
 #include "canonpose/export/lift_output.h"
 
 namespace canonpose {
-namespace {
-
-/// A cell as in RFC 4180: quoted if it contains a separator.
-std::string Cell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
-}
-
-}  // namespace
-
 void WriteLiftCsv(const std::filesystem::path& path, const LiftedPoses& poses) {
   const double fps = poses.pose_in_camera.fps;
   const bool has_time = fps > 0.0;
   const std::string units = UnitsInFile(poses);
   std::string text = has_time ? "frame,time [s]" : "frame";
   for (const std::string& joint : poses.skeleton().joints) {
-    for (const char axis : {'x', 'y', 'z'}) text += ',' + Cell(fmt::format("{}_{} [{}]", joint, axis, units));
+    for (const char axis : {'x', 'y', 'z'}) text += ',' + CsvCell(fmt::format("{}_{} [{}]", joint, axis, units));
   }
-  for (const std::string& joint : poses.skeleton().joints) text += ',' + Cell(joint + "_confidence");
-  for (const std::string& joint : poses.skeleton().joints) text += ',' + Cell(fmt::format("{}_sd [{}]", joint, units));
+  for (const std::string& joint : poses.skeleton().joints) text += ',' + CsvCell(joint + "_confidence");
+  for (const std::string& joint : poses.skeleton().joints)
+    text += ',' + CsvCell(fmt::format("{}_sd [{}]", joint, units));
   text += '\n';
   const std::size_t joints = poses.skeleton().joints.size();
   const auto out = std::back_inserter(text);

@@ -3,9 +3,14 @@
 #include <string>
 
 #include "canonpose/base/error.h"
+#include "canonpose/scene/lifted_scene.h"
 
 namespace canonpose {
 namespace {
+
+void WriteLiftScene(const std::filesystem::path& path, const LiftedPoses& poses) {
+  WriteScene(path, SceneOfLifted(poses.pose_in_camera, poses.frames, path.stem().string()));
+}
 
 using WriteFunction = void (*)(const std::filesystem::path&, const LiftedPoses&);
 
@@ -14,7 +19,8 @@ WriteFunction WriterFor(const std::filesystem::path& path) {
   if (extension == ".npz") return WriteLiftNpz;
   if (extension == ".csv") return WriteLiftCsv;
   if (extension == ".json") return WriteLiftJson;
-  ThrowInvalidArgument("{}: poses can be written as .npz, .csv or .json", path.string());
+  if (extension == ".h5") return WriteLiftScene;
+  ThrowInvalidArgument("{}: poses can be written as .npz, .csv, .json or .h5", path.string());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The files of `lift`: .npz and .json for programs, .csv for spreadsheets.
+// The files of `lift`: .npz and .json for programs, .csv for spreadsheets, .h5 as a scene.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace canonpose {
 
-/// Writes the format of the path's extension: .npz, .csv or .json. Throws Error(kInvalidArgument) for any other
-/// extension and Error(kBadInput) where the file cannot be written.
+/// Writes the format of the path's extension: .npz, .csv, .json, or .h5 for a scene (SceneOfLifted()). Throws
+/// Error(kInvalidArgument) for any other extension and Error(kBadInput) where the file cannot be written.
 void WriteLiftOutput(const std::filesystem::path& path, const LiftedPoses& poses);
 
 /// Throws the Error(kInvalidArgument) of WriteLiftOutput(), to be called before any work is done.

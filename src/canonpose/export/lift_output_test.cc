@@ -9,6 +9,7 @@
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/testing.h"
 #include "canonpose/data/codecs/npz.h"
+#include "canonpose/data/read_scenes.h"
 
 namespace canonpose {
 namespace {
@@ -105,8 +106,34 @@ TEST(LiftOutputTest, NoFramesStillMakeAFile) {
 
 TEST(LiftOutputTest, OtherExtensionsAreAUsageError) {
   EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [] { WriteLiftOutput("a.txt", Sample()); }),
-              HasSubstr(".npz, .csv or .json"));
+              HasSubstr(".npz, .csv, .json or .h5"));
   EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [] { RequireLiftFormat("poses"); }), HasSubstr("poses"));
+}
+
+/// Files for programs, and the scene, lead to the same scene.
+TEST(LiftOutputTest, IsReadBackAsAScene) {
+  const TemporaryFolder folder;
+  LiftedPoses poses = Sample();
+  poses.pose_in_camera.fps = 29.97;
+  for (const char* const name : {"a.npz", "a.json", "a.h5"}) {
+    SCOPED_TRACE(name);
+    WriteLiftOutput(folder / name, poses);
+    const std::vector<Scene> scenes = ReadScenes(folder / name);
+    ASSERT_EQ(scenes.size(), 1U);
+    EXPECT_EQ(scenes[0].name, "a");
+    EXPECT_EQ(scenes[0].up.source, "a camera that is taken to be level");
+    EXPECT_TRUE(scenes[0].scale.is_known()) << "millimetres";
+    EXPECT_TRUE(scenes[0].cameras.empty());
+    ASSERT_EQ(scenes[0].people.size(), 1U);
+    const PoseSequence& person = scenes[0].people[0];
+    EXPECT_EQ(person.skeleton().joints, poses.skeleton().joints);
+    EXPECT_EQ(person.skeleton().parents, poses.skeleton().parents);
+    EXPECT_EQ(person.PoseAt(0).row(1), Eigen::RowVector3f(0.1F, 1e-7F, 250.5F)) << "up is minus down";
+    EXPECT_FALSE(person.IsKnown(1, 0));
+    EXPECT_EQ(person.confidence(), poses.pose_in_camera.confidence());
+    EXPECT_EQ(person.fps, 29.97);
+    EXPECT_THAT(person.time_seconds, ElementsAre(10 / 29.97, 11 / 29.97));
+  }
 }
 
 }  // namespace

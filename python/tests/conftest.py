@@ -1,0 +1,15 @@
+"""Recordings that several tests use: made once, since solving takes seconds."""
+import pytest
+
+import canonpose
+
+
+@pytest.fixture(scope="session")
+def dataset():
+    """Someone who walks for three seconds before four cameras."""
+    return canonpose.simulate(subjects=1, clips=1, seconds=3, activities=["gait"], noise=0.3, seed=1)
+
+
+@pytest.fixture(scope="session")
+def solved(dataset):
+    return canonpose.solve(dataset, threads=1)

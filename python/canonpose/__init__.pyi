@@ -88,7 +88,7 @@ class CameraView:
 
 class Sequence:
     def __init__(self, skeleton: Skeleton, name: str, keypoints: Dict[str, ArrayLike], *,
-                 confidence: Dict[str, ArrayLike] = {}, image_size: Dict[str, SequenceOf[int]] = {},
+                 image_size: Union[SequenceOf[int], Dict[str, SequenceOf[int]]], confidence: Dict[str, ArrayLike] = {},
                  calibration: Dict[str, SequenceOf[Camera]] = {}, truth: Dict[str, ArrayLike] = {}, fps: float = 0.0,
                  subject: str = "", capture: str = "", static_cameras: bool = True) -> None: ...
     @property

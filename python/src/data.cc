@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <variant>
 
 #include "python.h"
 #include <fmt/format.h>
@@ -88,12 +89,14 @@ Value ValueOf(const std::map<std::string, Value>& values, const std::string& nam
   return found == values.end() ? Value() : found->second;
 }
 
+using ImageSize = std::array<int, 2>;
+
 /// What Sequence() in Python takes of each camera.
 struct NewViews {
   std::map<std::string, Floats> keypoints;
   std::map<std::string, Floats> confidence;
   std::map<std::string, Floats> truth;
-  std::map<std::string, std::array<int, 2>> image_size;
+  std::variant<ImageSize, std::map<std::string, ImageSize>> image_size;  ///< of all, or of each
   std::map<std::string, std::vector<Camera>> calibration;
 
   /// Names of cameras that have no keypoints are mistakes.
@@ -105,7 +108,7 @@ struct NewViews {
     };
     require(confidence, "confidence");
     require(truth, "truth");
-    require(image_size, "image_size");
+    if (const auto* sizes = std::get_if<std::map<std::string, ImageSize>>(&image_size)) require(*sizes, "image_size");
     require(calibration, "calibration");
   }
 };
@@ -116,7 +119,12 @@ CameraView MakeView(const NewViews& views, const std::string& name, const Skelet
   RequireShape(keypoints, {shape[0], shape[1], 2}, "keypoints");
   CameraView view;
   view.name = name;
-  view.image_size = ValueOf(views.image_size, name);
+  const auto* one_size = std::get_if<ImageSize>(&views.image_size);
+  view.image_size = one_size != nullptr ? *one_size : ValueOf(std::get<1>(views.image_size), name);
+  if (view.image_size[0] <= 0 || view.image_size[1] <= 0) {
+    ThrowInvalidArgument("`image_size` of {}: expected width and height in pixels, found {} and {}", name,
+                         view.image_size[0], view.image_size[1]);
+  }
   view.keypoints = Values(keypoints);
   view.confidence.assign(view.keypoints.size() / 2, 1.0F);
   if (views.confidence.contains(name)) Assign(view.confidence, views.confidence.at(name), shape, "confidence");
@@ -331,19 +339,22 @@ void AddViews(py::module_& module) {
 void AddSequences(py::module_& module) {
   py::class_<SequenceRef>(module, "Sequence", "Synchronised frames of one person from several cameras.")
       .def(py::init([](const Skeleton& skeleton, const std::string& name, std::map<std::string, Floats> keypoints,
-                       std::map<std::string, Floats> confidence, std::map<std::string, std::array<int, 2>> image_size,
-                       std::map<std::string, std::vector<Camera>> calibration, std::map<std::string, Floats> truth,
-                       double fps, const std::string& subject, const std::string& capture, bool static_cameras) {
+                       std::variant<ImageSize, std::map<std::string, ImageSize>> image_size,
+                       std::map<std::string, Floats> confidence, std::map<std::string, std::vector<Camera>> calibration,
+                       std::map<std::string, Floats> truth, double fps, const std::string& subject,
+                       const std::string& capture, bool static_cameras) {
              const NewViews views{std::move(keypoints), std::move(confidence), std::move(truth), std::move(image_size),
                                   std::move(calibration)};
              return MakeSequence(skeleton, name, views, fps, subject, capture, static_cameras);
            }),
-           py::arg("skeleton"), py::arg("name"), py::arg("keypoints"), py::kw_only(),
-           py::arg("confidence") = py::dict(), py::arg("image_size") = py::dict(), py::arg("calibration") = py::dict(),
-           py::arg("truth") = py::dict(), py::arg("fps") = 0.0, py::arg("subject") = "", py::arg("capture") = "",
-           py::arg("static_cameras") = true,
-           "`keypoints`: by the cameras' names, arrays (T, J, 2) in pixels, NaN where not detected. By name as well: "
-           "`confidence` (T, J), without which detected joints have 1; `image_size` (width, height); `calibration`, a "
+           py::arg("skeleton"), py::arg("name"), py::arg("keypoints"), py::kw_only(), py::arg("image_size"),
+           py::arg("confidence") = py::dict(), py::arg("calibration") = py::dict(), py::arg("truth") = py::dict(),
+           py::arg("fps") = 0.0, py::arg("subject") = "", py::arg("capture") = "", py::arg("static_cameras") = true,
+           "`keypoints`: by the cameras' names, arrays (T, J, 2) in pixels, NaN where not detected. `image_size`: "
+           "(width, "
+           "height) of all cameras, or by name. By name as well: `confidence` (T, J), without which detected joints "
+           "have "
+           "1; `calibration`, a "
            "list of one Camera or of T, in mm; `truth` (T, J, 3), mm in the camera's frame. Arrays are copied.")
       .def_property_readonly("name", [](const SequenceRef& s) { return s.get().name; })
       .def_property_readonly("subject", [](const SequenceRef& s) { return s.get().subject; })

@@ -6,10 +6,16 @@ import canonpose
 
 @pytest.fixture(scope="session")
 def dataset():
-    """Someone who walks for three seconds before four cameras."""
-    return canonpose.simulate(subjects=1, clips=1, seconds=3, activities=["gait"], noise=0.3, seed=1)
+    """Someone who walks for two seconds before four cameras."""
+    return canonpose.simulate(subjects=1, clips=1, seconds=2, activities=["gait"], noise=0.3, seed=1)
 
 
 @pytest.fixture(scope="session")
-def solved(dataset):
-    return canonpose.solve(dataset, threads=1)
+def progress():
+    """What `solved` reported while it was made."""
+    return []
+
+
+@pytest.fixture(scope="session")
+def solved(dataset, progress):
+    return canonpose.solve(dataset, threads=1, progress=lambda *state: progress.append(state))

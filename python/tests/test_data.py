@@ -60,6 +60,10 @@ def test_shapes_are_checked():
         canonpose.PoseSequence(SKELETON, np.zeros((2, 17, 3)), unit="furlongs")
     with pytest.raises(canonpose.InvalidArgument, match="there is no camera c"):
         canonpose.Sequence(SKELETON, "s", {"a": np.zeros((2, 17, 2))}, image_size={"c": (3, 4)})
+    with pytest.raises(canonpose.InvalidArgument, match="`image_size` of b: expected width and height"):
+        canonpose.Sequence(SKELETON, "s", {name: np.zeros((2, 17, 2)) for name in "ab"}, image_size={"a": (3, 4)})
+    with pytest.raises(canonpose.InvalidArgument, match=r"`keypoints`: expected an array of shape \(2, 17, 2\), found \(3, 17, 2\)"):
+        canonpose.Sequence(SKELETON, "s", {"a": np.zeros((2, 17, 2)), "b": np.zeros((3, 17, 2))}, image_size=(3, 4))
 
 
 def test_a_dataset_is_what_was_put_in(tmp_path):
@@ -67,7 +71,7 @@ def test_a_dataset_is_what_was_put_in(tmp_path):
     keypoints[1, 2] = np.nan
     camera = canonpose.Camera(K=np.diag([900, 900, 1]), R=np.eye(3), t=[0, 0, 4000], distortion=[0.1, 0.02])
     sequence = canonpose.Sequence(SKELETON, "walk", {"a": keypoints, "b": keypoints + 5}, fps=25, subject="Ann",
-                                  image_size={"a": (1000, 800)}, calibration={"a": [camera], "b": [camera]},
+                                  image_size={"a": (1000, 800), "b": (640, 480)}, calibration={"a": [camera], "b": [camera]},
                                   truth={"a": np.ones((4, 17, 3))}, confidence={"b": np.full((4, 17), 0.25)})
     path = tmp_path / "data.h5"
     canonpose.Dataset([sequence]).write(path)

@@ -63,17 +63,16 @@ def test_evaluate_gives_figures(solved, tmp_path):
     assert canonpose.evaluate(solved.dataset, triangulate=True)["p_mpjpe_mm"] > 0
 
 
-def test_messages_go_to_the_logger(dataset, caplog):
+def test_messages_go_to_the_logger(caplog):
     with caplog.at_level(logging.INFO, logger="canonpose"):
-        canonpose.solve(dataset, threads=1, frames="0-40")
+        canonpose.import_keypoints("alphapose", TESTDATA / "detections" / "alphapose_136", image_size=(640, 480))
     assert caplog.records and all(record.name == "canonpose" for record in caplog.records)
 
 
-def test_progress_is_reported_and_may_stop_the_work(dataset):
-    seen = []
-    canonpose.solve(dataset, threads=1, progress=lambda *state: seen.append(state))
-    label, done, total, detail = seen[-1]
-    assert isinstance(label, str) and 0 <= done <= total and isinstance(detail, str)
+def test_progress_is_reported_and_may_stop_the_work(dataset, solved, progress):
+    assert progress
+    for label, done, total, detail in progress:
+        assert isinstance(label, str) and 0 <= done <= total and isinstance(detail, str)
 
     def refuse(*state):
         raise KeyError("enough")

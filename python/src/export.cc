@@ -4,6 +4,7 @@
 
 #include "python.h"
 
+#include "canonpose/analyse/filter.h"
 #include "canonpose/data/read_scenes.h"
 #include "canonpose/export/scene_formats.h"
 
@@ -33,7 +34,7 @@ void Export(const Scene& scene, const fs::path& output, const SceneFormat& forma
     ThrowInvalidArgument("{} holds one person, and the scene has {}: export a Scene of each", format.extension,
                          scene.people.size());
   }
-  if (format.needs_frame_rate && !(FrameRate(scene.people.front()) > 0.0)) {
+  if (format.needs_frame_rate && !(FrameRateOf(scene.people.front()) > 0.0)) {
     ThrowInvalidArgument("{} needs the frame rate, which is unknown: set `fps` of the person", format.extension);
   }
   format.write(output, scene, options);

@@ -157,6 +157,10 @@ def test_stubs_name_everything_that_is_there():
     if not hasattr(canonpose, "export"):  # a build without the exports
         functions.discard("export")
     public = {name: value for name, value in vars(canonpose).items() if not name.startswith("_")}
+    for name in {"LiftedPoses", "Model"} - set(public):  # a build without LibTorch
+        with pytest.raises(canonpose.InvalidArgument, match="without LibTorch"):
+            canonpose.open_model("run")
+        del classes[name]
     assert set(public) == set(classes) | functions
     for name, value in public.items():
         assert value.__doc__, name

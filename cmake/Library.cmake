@@ -15,7 +15,7 @@ set(CANONPOSE_PUBLIC_HEADERS
   export/calibration.h export/lift_output.h export/scene_formats.h
   pipeline/bootstrap.h pipeline/evaluate_datasets.h)
 if(CANONPOSE_WITH_TORCH)
-  list(APPEND CANONPOSE_PUBLIC_HEADERS train/trainer.h lift/pose_lifter.h pipeline/solve_then_train.h)
+  list(APPEND CANONPOSE_PUBLIC_HEADERS train/trainer.h lift/pose_lifter.h pipeline/lift_views.h pipeline/solve_then_train.h)
 endif()
 
 # canonpose_headers_included(HEADERS...): sets `headers` to them and all that they include of ours.

@@ -19,9 +19,11 @@ using Eigen::Vector3d;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPi = std::numbers::pi;
-/// No hip or shoulder turns its limb further about itself: the knee or elbow seems to bend the wrong way, or the arm is
-/// abducted beyond a right angle.
+/// No hip turns its limb further about itself: the knee seems to bend the wrong way.
 constexpr double kLargestRotation = RadFromDeg(120.0);
+/// Far beyond what shoulders can, so that an arm seldom changes from one description to the other in mid-air: an arm at
+/// the limits of its movements reaches 130 in either.
+constexpr double kLargestArmRotation = RadFromDeg(150.0);
 constexpr double kDecidingElbow = RadFromDeg(30.0);
 
 double Wrapped(double angle) { return std::remainder(angle, 2.0 * kPi); }
@@ -189,7 +191,7 @@ void FollowArm(std::vector<JointRotation>& arm, const std::vector<double>& elbow
     JointRotation other = Near(OtherWay(arm[t]), last);
     const bool goes_on = std::isfinite(last.flexion);
     if (goes_on && Distance(other, last) < Distance(one, last)) std::swap(one, other);
-    const double limit = goes_on ? kLargestRotation : kPi / 2.0;
+    const double limit = goes_on ? kLargestArmRotation : kPi / 2.0;
     if (std::abs(Wrapped(one.rotation)) > limit) {
       if (elbow_rad[t] >= kDecidingElbow) {
         one = Near(other, {kNaN, kNaN, kNaN});

@@ -30,7 +30,7 @@ JointRotation RotationBetween(const Eigen::Matrix3d& parent, const Eigen::Matrix
 JointRotation OtherWay(const JointRotation& rotation);
 
 /// The arm's rotations over time (T), each in the way that goes on from the one before and that a shoulder can: it does
-/// not turn the arm about itself by more than 120 degrees. `elbow_rad`: how far the elbow is bent; where it is bent by
+/// not turn the arm about itself by more than 150 degrees. `elbow_rad`: how far the elbow is bent; where it is bent by
 /// less than 30 degrees it may appear bent the wrong way and decides nothing.
 void FollowArm(std::vector<JointRotation>& arm, const std::vector<double>& elbow_rad);
 

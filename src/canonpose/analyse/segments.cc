@@ -109,7 +109,7 @@ BodyJoints FindBodyJoints(const PoseSequence& person) {
     const double relative = distance / (shoulders - hips).norm();
     if (std::isfinite(relative)) distances.push_back(relative);
   }
-  static constexpr double kDerived = 0.03;
+  static constexpr double kDerived = 0.02;
   if (!distances.empty() && Median(distances) < kDerived) joints.spine = -1;
   return joints;
 }

@@ -49,7 +49,7 @@ struct BodyJoints {
 BodyJoints FindBodyJoints(const Skeleton& skeleton);
 
 /// The same without a spine that says nothing about how the trunk bends, since it was made as the mean of the hips and
-/// shoulders: its median distance from that mean is less than 3 % of the trunk's length.
+/// shoulders: its median distance from that mean is less than 2 % of the trunk's length.
 BodyJoints FindBodyJoints(const PoseSequence& person);
 
 /// Rotations from a segment's axes to those of the poses: columns are its x, y and z. A column is NaN where it cannot

@@ -6,6 +6,7 @@ CANONPOSE_PACKAGES="
   libtorch-dev libopenblas-pthread-dev
   libeigen3-dev libceres-dev libhdf5-dev libzip-dev zlib1g-dev libmatio-dev
   nlohmann-json3-dev libcli11-dev libfmt-dev libspdlog-dev
+  esbuild libjs-three
   libgtest-dev libgmock-dev"
 
 say() { printf '\n== %s\n' "$*" >&2; }

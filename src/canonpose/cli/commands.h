@@ -15,6 +15,7 @@ void AddTrainMorphCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddLiftCommand(CLI::App& app);
 void AddSolveCommand(CLI::App& app);
+void AddViewCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 
 }  // namespace canonpose

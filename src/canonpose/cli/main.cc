@@ -92,6 +92,7 @@ int Main(int argc, char** argv) {
   AddEvaluateCommand(app);
   AddLiftCommand(app);
   AddSolveCommand(app);
+  AddViewCommand(app);
   AddInfoCommand(app);
   AddHelpCommands(app);
 

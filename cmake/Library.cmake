@@ -13,6 +13,7 @@ set(CANONPOSE_PUBLIC_HEADERS
   solve/solver.h
   analyse/analysis.h analyse/filter.h
   export/calibration.h export/lift_output.h export/scene_formats.h
+  view/page.h view/page_content.h view/skeleton_strip.h
   pipeline/bootstrap.h pipeline/evaluate_datasets.h)
 if(CANONPOSE_WITH_TORCH)
   list(APPEND CANONPOSE_PUBLIC_HEADERS train/trainer.h lift/pose_lifter.h pipeline/lift_views.h pipeline/solve_then_train.h)

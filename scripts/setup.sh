@@ -7,6 +7,7 @@ CANONPOSE_PACKAGES="
   libeigen3-dev libceres-dev libhdf5-dev libzip-dev zlib1g-dev libmatio-dev libtinygltf-dev
   nlohmann-json3-dev libcli11-dev libfmt-dev libspdlog-dev libtomlplusplus-dev libpugixml-dev libyaml-cpp-dev
   python3-dev pybind11-dev python3-numpy python3-pytest
+  esbuild libjs-three
   libgtest-dev libgmock-dev"
 
 say() { printf '\n== %s\n' "$*" >&2; }

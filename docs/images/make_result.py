@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Draws docs/images/result.png, the picture of README.md: keypoints of each camera, and what `solve` makes of them.
+"""Draws docs/images/result.png, the picture of docs/solve.md: keypoints of each camera, and what `solve` makes of them.
 
 usage: docs/images/make_result.py FOLDER [--frame N] [--output FILE] [--program FILE]
 
-FOLDER is a recording: one subfolder of OpenPose files per camera and, for the size of the images, calibration.json. The picture in the
-README is frame 46 of the recording `balancing` of the Pose2Sim project (BSD-3). No calibration is used: `solve` finds the cameras.
+FOLDER is a recording: one subfolder of OpenPose files per camera and, for the size of the images, calibration.json. The picture
+there is frame 46 of the recording `balancing` of the Pose2Sim project (BSD-3). No calibration is used: `solve` finds the cameras.
 
 Needs matplotlib, numpy and h5py (Debian: apt install python3-matplotlib python3-h5py).
 """

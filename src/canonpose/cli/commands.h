@@ -16,6 +16,7 @@ void AddEvaluateCommand(CLI::App& app);
 void AddLiftCommand(CLI::App& app);
 void AddSolveCommand(CLI::App& app);
 void AddExportCommand(CLI::App& app);
+void AddViewCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 
 }  // namespace canonpose

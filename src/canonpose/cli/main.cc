@@ -93,6 +93,7 @@ int Main(int argc, char** argv) {
   AddLiftCommand(app);
   AddSolveCommand(app);
   AddExportCommand(app);
+  AddViewCommand(app);
   AddInfoCommand(app);
   AddHelpCommands(app);
 

@@ -11,7 +11,5 @@ PYBIND11_MODULE(_core, module) {
   canonpose::python::AddScenes(module);
   canonpose::python::AddJobs(module);
   canonpose::python::AddNetworks(module);
-#ifdef CANONPOSE_HAS_EXPORT
   canonpose::python::AddExport(module);
-#endif
 }

@@ -121,7 +121,6 @@ def test_scenes(tmp_path):
         canonpose.Scene([poses, person(4)[0]])
 
 
-@pytest.mark.skipif(not hasattr(canonpose, "export"), reason="built without the exports")
 def test_scenes_are_exported(tmp_path):
     poses, positions = person()
     scene = canonpose.Scene([poses], name="walk", up="the tripod", scale="a tape measure")
@@ -154,8 +153,6 @@ def test_stubs_name_everything_that_is_there():
     stubs = ast.parse((pathlib.Path(canonpose.__file__).parent / "__init__.pyi").read_text())
     classes = {node.name: node for node in stubs.body if isinstance(node, ast.ClassDef)}
     functions = {node.name for node in stubs.body if isinstance(node, ast.FunctionDef)}
-    if not hasattr(canonpose, "export"):  # a build without the exports
-        functions.discard("export")
     public = {name: value for name, value in vars(canonpose).items() if not name.startswith("_")}
     for name in {"LiftedPoses", "Model"} - set(public):  # a build without LibTorch
         with pytest.raises(canonpose.InvalidArgument, match="without LibTorch"):

@@ -38,6 +38,7 @@ struct ExportArguments {
   std::string up;       // empty: the format's
   std::string unit;     // empty: the format's
   std::string cameras;  // format of a calibration; empty: by the extension
+  std::string names = "ours";
   double fps = 0.0;
   FilterOptions filter;
 };
@@ -67,6 +68,7 @@ ExportOptions OptionsFor(const ExportArguments& arguments, UpAxis up, FileUnit u
   ExportOptions options{up, unit};
   if (!arguments.up.empty()) options.up = arguments.up == "y" ? UpAxis::kY : UpAxis::kZ;
   if (!arguments.unit.empty()) options.unit = arguments.unit == "mm" ? FileUnit::kMillimetres : FileUnit::kMetres;
+  if (arguments.names == "mixamo") options.joint_names = JointNames::kMixamo;
   return options;
 }
 
@@ -223,6 +225,9 @@ void WarnOfUnknowns(const std::vector<ExportJob>& jobs, const ExportOptions& opt
 
 void ExportScenes(const ExportArguments& arguments) {
   const SceneFormat& format = ChosenSceneFormat(arguments);
+  if (!format.uses_file_space && !(arguments.up.empty() && arguments.unit.empty())) {
+    ThrowInvalidArgument("{} files have axes and units of their own; leave out --up and --unit", format.extension);
+  }
   ExportOptions options = OptionsFor(arguments, format.up, format.unit);
   const std::vector<ExportJob> jobs = JobsFor(arguments, format.holds_people);
   for (const ExportJob& job : jobs) {
@@ -299,6 +304,8 @@ void AddExportCommand(CLI::App& app) {
       ->check(CLI::IsMember({"y", "z"}));
   command->add_option("--unit", arguments->unit, "The unit of lengths (default: mm in .c3d, otherwise m)")
       ->check(CLI::IsMember({"mm", "m"}));
+  command->add_option("--names", arguments->names, "Of joints in .bvh and .glb: ours, or those of Mixamo")
+      ->check(CLI::IsMember({"ours", "mixamo"}));
   command->add_option("--sequence", arguments->sequence,
                       "Which sequence, if the input holds several (default: a file for each, with its name)");
   command

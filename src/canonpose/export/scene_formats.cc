@@ -9,7 +9,9 @@
 #include "canonpose/base/log.h"
 #include "canonpose/base/names.h"
 #include "canonpose/export/angle_table.h"
+#include "canonpose/export/bvh.h"
 #include "canonpose/export/c3d.h"
+#include "canonpose/export/glb.h"
 #include "canonpose/export/scene_csv.h"
 #include "canonpose/export/scene_json.h"
 #include "canonpose/export/scene_npz.h"
@@ -61,6 +63,14 @@ void ExportNpz(const std::filesystem::path& path, const Scene& scene, const Expo
   WriteSceneNpz(path, scene, SpaceOf(scene, options), options.processing);
 }
 
+void ExportBvh(const std::filesystem::path& path, const Scene& scene, const ExportOptions& options) {
+  WriteSceneBvh(path, scene, {options.joint_names});
+}
+
+void ExportGlb(const std::filesystem::path& path, const Scene& scene, const ExportOptions& options) {
+  WriteSceneGlb(path, scene, {options.joint_names});
+}
+
 }  // namespace
 
 const std::vector<SceneFormat>& SceneFormats() {
@@ -76,6 +86,10 @@ const std::vector<SceneFormat>& SceneFormats() {
       {".csv", "positions, for spreadsheets and data frames", kZ, kMetres, true, false, ExportCsv},
       {".npz", "positions, uncertainty and cameras, for NumPy", kZ, kMetres, true, false, ExportNpz},
       {".json", "positions, uncertainty and cameras, for any program", kZ, kMetres, true, false, ExportJson},
+      {".bvh", "hierarchies of bones, for Blender and other animation software", kY, kMetres, false, false, ExportBvh,
+       false},
+      {".glb", "hierarchies of bones with shapes and cameras, for viewers and game engines", kY, kMetres, true, false,
+       ExportGlb, false},
   };
   return formats;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "canonpose/export/file_space.h"
+#include "canonpose/motion/hierarchy_template.h"
 #include "canonpose/scene/scene.h"
 
 namespace canonpose {
@@ -20,6 +21,7 @@ struct ExportOptions {
   std::vector<std::vector<std::uint8_t>> seen_by{};
   /// What was done to the positions, such as a filter, for the files to say; empty: nothing.
   std::string processing{};
+  JointNames joint_names = JointNames::kOurs;  ///< in hierarchies
 };
 
 struct SceneFormat {

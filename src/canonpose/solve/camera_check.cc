@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
+#include <string>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -39,6 +41,8 @@ constexpr double kLargeError = 0.03;
 constexpr double kMoreOutliers = 1.25;
 /// Pairs of views are tried up to this many.
 constexpr std::size_t kMaxPairs = 15;
+
+constexpr const char* kWhyNotTheSame = "does not show the same person, or not at the same time";
 
 /// Shifts views of a clip in time, always the one that gains most, until all fit. Returns whether any view was shifted.
 bool AlignClip(CaptureObservations& capture, const Solution& solution, int clip,
@@ -229,6 +233,7 @@ class Examination {
   /// The median log focal length of the views that agree.
   [[nodiscard]] double FocalOf(const Consensus& consensus, int clip) const;
   void Correct(const Consensus& consensus, int view);
+  void Drop(int view, const std::string& why);
 
   const CaptureObservations& original_;
   const Calibrate& calibrate_;
@@ -236,6 +241,7 @@ class Examination {
   CaptureObservations& capture_;
   Solution& solution_;
   CameraCheck& check_;
+  std::set<int> corrected_;  ///< views that Correct() kept
 };
 
 double Examination::FocalOf(const Consensus& consensus, int clip) const {
@@ -359,7 +365,7 @@ std::optional<Consensus> Examination::FindConsensus(const std::vector<ViewSigns>
 void Examination::Correct(const Consensus& consensus, int view) {
   CopyView(original_, view, capture_);
   int clips_that_fit = 0;
-  std::string why = "does not show the same person, or not at the same time";
+  std::string why = kWhyNotTheSame;
   for (int clip = 0; clip < static_cast<int>(capture_.clips.size()); ++clip) {
     // The view is examined as it was recorded, not as it was shifted against a solution that it took part in.
     const KnownMotion motion(consensus.capture, consensus.solution, clip);
@@ -382,7 +388,11 @@ void Examination::Correct(const Consensus& consensus, int view) {
     }
     ApplyCorrection(correction, clip, view, capture_);
   }
-  if (clips_that_fit > 0) return;
+  if (clips_that_fit == 0) Drop(view, why);
+  if (clips_that_fit > 0) corrected_.insert(view);
+}
+
+void Examination::Drop(int view, const std::string& why) {
   DropView(capture_, view);
   check_.dropped[static_cast<std::size_t>(view)] = true;
   check_.why_dropped[static_cast<std::size_t>(view)] = why;
@@ -400,7 +410,14 @@ bool Examination::Run() {
     for (std::vector<ViewCorrection>& corrections : check_.corrections) corrections[static_cast<std::size_t>(v)] = {};
   }
   const CaptureObservations before = capture_;
-  for (const int v : Others(*consensus, signs)) Correct(*consensus, v);
+  for (const int v : Others(*consensus, signs)) {
+    // Moving cameras follow nearly anything. A view that does not fit although it was corrected shows something else.
+    if (corrected_.contains(v)) {
+      Drop(v, kWhyNotTheSame);
+    } else {
+      Correct(*consensus, v);
+    }
+  }
   if (capture_.xy == before.xy && capture_.confidence == before.confidence) return false;
   solution_ = calibrate_(capture_);
   return true;

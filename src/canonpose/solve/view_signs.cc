@@ -18,6 +18,9 @@ constexpr double kOutlyingScatters = 5.0;
 constexpr double kAlarmingDisagreement = 0.012;
 constexpr double kAlarmingWindow = 0.05;
 constexpr double kAlarmingOutliers = 0.12;
+/// Fewer are alarming where the other views have far fewer.
+constexpr double kAlarmingAmongFew = 0.08;
+constexpr double kTimesTheOthers = 2.0;
 
 /// How much of the distance between a keypoint and a joint that other views triangulate is the keypoint's own: its
 /// scatter relative to that of both together, in the view's image.
@@ -94,6 +97,15 @@ std::vector<ViewSigns> MeasureSigns(const CaptureObservations& capture, const So
   return signs;
 }
 
-bool AnyAlarm(const std::vector<ViewSigns>& signs) { return std::ranges::any_of(signs, &ViewSigns::Alarm); }
+bool AnyAlarm(const std::vector<ViewSigns>& signs) {
+  if (std::ranges::any_of(signs, &ViewSigns::Alarm)) return true;
+  std::vector<double> outliers;
+  for (const ViewSigns& view : signs) {
+    if (view.known) outliers.push_back(view.outliers);
+  }
+  if (outliers.size() < 3) return false;
+  const double most = std::ranges::max(outliers);
+  return most > kAlarmingAmongFew && most > kTimesTheOthers * Median(std::move(outliers));
+}
 
 }  // namespace canonpose

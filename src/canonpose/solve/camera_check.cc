@@ -110,8 +110,7 @@ void CorrectAgain(const CaptureObservations& original, const CameraCheck& check,
                   CaptureObservations& capture) {
   CopyView(original, view, capture);
   for (int clip = 0; clip < static_cast<int>(capture.clips.size()); ++clip) {
-    ApplyCorrection(check.corrections[static_cast<std::size_t>(clip)][static_cast<std::size_t>(view)], clip, view,
-                    capture);
+    ApplyCorrection(check.At(clip, view), clip, view, capture);
   }
 }
 
@@ -125,11 +124,16 @@ bool CorrectTimeJump(const CaptureObservations& original, CaptureObservations& c
   for (const int v : ViewsThatFitWorse(capture, solution)) {
     for (int clip = 0; clip < static_cast<int>(capture.clips.size()); ++clip) {
       if (!MayHaveLostFrames(check.At(clip, v))) continue;
-      CameraCheck without_bad = check;
-      without_bad.At(clip, v).bad.clear();
-      CaptureObservations with_all_frames = capture;
-      CorrectAgain(original, without_bad, v, with_all_frames);
-      const std::optional<TimeJump> jump = FindTimeJump(with_all_frames, solution, clip, v);
+      std::optional<TimeJump> jump;
+      if (check.At(clip, v).bad.empty()) {
+        jump = FindTimeJump(capture, solution, clip, v);
+      } else {
+        CameraCheck without_bad = check;
+        without_bad.At(clip, v).bad.clear();
+        CaptureObservations with_all_frames = capture;
+        CorrectAgain(original, without_bad, v, with_all_frames);
+        jump = FindTimeJump(with_all_frames, solution, clip, v);
+      }
       if (!jump || jump->gain <= best.gain) continue;
       best = *jump;
       best_view = v;
@@ -388,8 +392,11 @@ void Examination::Correct(const Consensus& consensus, int view) {
     }
     ApplyCorrection(correction, clip, view, capture_);
   }
-  if (clips_that_fit == 0) Drop(view, why);
-  if (clips_that_fit > 0) corrected_.insert(view);
+  if (clips_that_fit > 0) {
+    corrected_.insert(view);
+  } else {
+    Drop(view, why);
+  }
 }
 
 void Examination::Drop(int view, const std::string& why) {

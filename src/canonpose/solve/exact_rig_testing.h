@@ -2,6 +2,7 @@
 // simulator: a body whose bones keep their lengths exactly, cameras without distortion, errors that are normal.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -56,6 +57,22 @@ inline void Hide(CaptureObservations& capture, int frame, int view, int joint) {
   const std::size_t i = capture.Index(frame, view, joint);
   capture.confidence[i] = 0.0F;
   capture.xy[2 * i] = capture.xy[2 * i + 1] = std::nanf("");
+}
+
+/// A view's frame n becomes what it saw in frame source(n) of `recorded`; nothing where there is no such frame.
+template <typename Source>
+void TakeFrames(const CaptureObservations& recorded, int view, Source&& source, CaptureObservations& capture) {
+  for (int n = 0; n < capture.frame_count; ++n) {
+    const int from = source(n);
+    for (int j = 0; j < capture.joint_count(); ++j) {
+      Hide(capture, n, view, j);
+      if (from < 0 || from >= recorded.frame_count) continue;
+      const std::size_t to = capture.Index(n, view, j);
+      const std::size_t old = recorded.Index(from, view, j);
+      capture.confidence[to] = recorded.confidence[old];
+      std::copy_n(&recorded.xy[2 * old], 2, &capture.xy[2 * to]);
+    }
+  }
 }
 
 namespace internal {

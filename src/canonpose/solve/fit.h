@@ -36,6 +36,20 @@ inline double DistanceInFront(const Eigen::Vector3d& in_camera, double focal, co
   return in_camera.z() > 0.0 ? DistanceAtDepth(in_camera, focal, keypoint) : std::nan("");
 }
 
+/// The derivative of that distance's two components, (x, y)_in_camera - keypoint z_in_camera / focal, by a point in the
+/// world, where the keypoint is that of the point itself.
+inline Eigen::Matrix<double, 2, 3> ProjectionRows(const Eigen::Matrix3d& camera_from_world,
+                                                  const Eigen::Vector3d& in_camera) {
+  return camera_from_world.topRows<2>() - in_camera.head<2>() / in_camera.z() * camera_from_world.row(2);
+}
+
+/// The variance along an axis of the image, at the point's depth, of a point whose covariance in the world is given.
+inline double VarianceInView(const Eigen::Matrix3d& camera_from_world, const Eigen::Vector3d& in_camera,
+                             const Eigen::Matrix3d& covariance) {
+  const Eigen::Matrix<double, 2, 3> rows = ProjectionRows(camera_from_world, in_camera);
+  return 0.5 * (rows * covariance * rows.transpose()).trace();
+}
+
 /// Calls visit(frame, view, joint, error) for every keypoint that the estimate explains; the error is the distance in
 /// body units.
 template <typename Visit>

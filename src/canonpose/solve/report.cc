@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kOutlierScatters = 5.0;
-/// Good captures have 1 to 7 %.
+/// Good captures have up to 11 %.
 constexpr double kManyOutliersPercent = 12.0;
 /// Two of four moving cameras at half the frame rate have 21 to 29 %.
 constexpr double kContradictingOutliersPercent = 18.0;
@@ -246,7 +246,7 @@ std::string CaptureReport::Contradiction() const {
   if (used < 3 || 2 * contradicting.size() < used) return "";
   return fmt::format(
       "the cameras do not agree, and nothing says which are wrong: {} do not fit; do all show the same person, at the "
-      "same time and frame rate? Leave the wrong ones out",
+      "same time and frame rate? Import it again without the wrong ones",
       fmt::join(contradicting, ", "));
 }
 

@@ -31,6 +31,7 @@ struct Candidate {
   std::vector<int> kept;
   std::vector<int> moved;
   int jump = 0;
+  CameraEstimate camera;                                  ///< fitted to `kept`
   double cost = std::numeric_limits<double>::infinity();  ///< mean over both parts
 };
 
@@ -88,16 +89,16 @@ void JumpSearch::Try(const std::vector<int>& kept, const std::vector<int>& moved
     if (2 * count < std::min<int>(kJudgedFrames, static_cast<int>(moved.size()))) continue;
     const double share = static_cast<double>(moved.size()) / static_cast<double>(clip_.count);
     const double cost = share * mean + (1.0 - share) * kept_mean;
-    if (cost < best.cost) best = {kept, moved, jump, cost};
+    if (cost < best.cost) best = {kept, moved, jump, camera, cost};
   }
 }
 
 int JumpSearch::BestPlace(const Candidate& candidate, bool before) {
-  const CameraEstimate camera = comparison_.Refit(candidate.kept, 0);
   // The gain of moving the frames up to each place.
   std::vector<double> gains{0.0};
   for (const int frame : ConsecutiveFrames(clip_.first, clip_.count)) {
-    const double gain = comparison_.Cost(frame, 0, camera) - comparison_.Cost(frame, candidate.jump, camera);
+    const double gain =
+        comparison_.Cost(frame, 0, candidate.camera) - comparison_.Cost(frame, candidate.jump, candidate.camera);
     gains.push_back(gains.back() + (std::isfinite(gain) ? gain : 0.0));
   }
   const auto from = gains.begin() + min_side_;
@@ -127,14 +128,13 @@ std::optional<TimeJump> JumpSearch::Find() {
     if (finer.jump == 0) return std::nullopt;
     best = std::move(finer);
   }
-  const CameraEstimate kept_camera = comparison_.Refit(best.kept, 0);
   const CameraEstimate own_camera = comparison_.Refit(best.moved, 0);
   std::vector<double> gains;
   double now = 0.0;
   int count = 0;
   for (const int frame : best.moved) {
     const double cost = comparison_.Cost(frame, 0, own_camera);
-    gains.push_back(cost - comparison_.Cost(frame, best.jump, kept_camera));
+    gains.push_back(cost - comparison_.Cost(frame, best.jump, best.camera));
     if (!std::isfinite(gains.back())) continue;
     now += cost;
     ++count;

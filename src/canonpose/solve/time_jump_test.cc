@@ -1,6 +1,5 @@
 #include "canonpose/solve/time_jump.h"
 
-#include <algorithm>
 #include <optional>
 
 #include <gtest/gtest.h>
@@ -22,17 +21,7 @@ std::optional<BadStretch> FindIn(Source&& source, int views = 4, int frames = kF
   testing::ExactRig rig = testing::MakeExactRig(options);
   testing::SeeJoints(rig.truth, 0.004, 5, rig.capture);
   const CaptureObservations recorded = rig.capture;
-  DropFrames(kView, 0, frames, rig.capture);
-  for (int n = 0; n < frames; ++n) {
-    const int from = source(n);
-    if (from < 0 || from >= frames) continue;
-    for (int j = 0; j < rig.capture.joint_count(); ++j) {
-      const std::size_t to = rig.capture.Index(n, kView, j);
-      const std::size_t old = recorded.Index(from, kView, j);
-      rig.capture.confidence[to] = recorded.confidence[old];
-      std::copy_n(&recorded.xy[2 * old], 2, &rig.capture.xy[2 * to]);
-    }
-  }
+  testing::TakeFrames(recorded, kView, source, rig.capture);
   Solution solution;
   solution.estimate = rig.truth;
   const std::optional<TimeJump> found = FindTimeJump(rig.capture, solution, 0, kView);

@@ -86,8 +86,7 @@ double OffsetSearch::CostOfPair(int frame, int offset) const {
     for (const int v : {view_, other_view_}) {
       const CameraEstimate& camera = solution_.estimate.CameraAt(0, v);
       const double error =
-          DistanceInFront(camera.Rotation() * joints.back() + Eigen::Vector3d::Map(camera.placement.data()),
-                          camera.Focal(), pair.At(0, v, j));
+          DistanceInFront(solution_.estimate.InCamera(0, v, joints.back()), camera.Focal(), pair.At(0, v, j));
       if (!std::isfinite(error)) continue;
       sum += CauchyLoss(error / Scatter(pair, solution_, 0, v, j));
       ++count;

@@ -142,8 +142,7 @@ JointViews UncertaintyMeasurement::ViewsOf(int frame, int joint) const {
     if (!std::isfinite(view.distance)) continue;
     const double scatter = solution_.scales.observation.Scatter(joint, view.confidence);
     view.weight = CauchyWeight(view.distance / scatter) / (scatter * scatter);
-    const Eigen::Matrix3d rotation = camera.Rotation();
-    view.rows = rotation.topRows<2>() - in_camera.head<2>() / in_camera.z() * rotation.row(2);
+    view.rows = ProjectionRows(camera.Rotation(), in_camera);
     information += view.weight * view.rows.transpose() * view.rows;
     found.views.push_back(view);
   }

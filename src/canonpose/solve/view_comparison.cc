@@ -88,9 +88,7 @@ double ViewComparison::Cost(int frame, int offset, const CameraEstimate& camera)
     if (!capture_.Sees(frame, view_, joint)) continue;
     const Eigen::Vector3d in_camera = rotation * joints[j].point + translation;
     const double error = DistanceInFront(in_camera, camera.Focal(), capture_.At(frame, view_, joint));
-    const Eigen::Matrix<double, 2, 3> rows =
-        rotation.topRows<2>() - in_camera.head<2>() / in_camera.z() * rotation.row(2);
-    const double of_joint = 0.5 * (rows * joints[j].covariance * rows.transpose()).trace();
+    const double of_joint = VarianceInView(rotation, in_camera, joints[j].covariance);
     if (!std::isfinite(error) || !(of_joint >= 0.0)) continue;
     const double confidence = capture_.confidence[capture_.Index(frame, view_, joint)];
     const double of_keypoint = solution_.scales.observation.Scatter(joint, confidence);

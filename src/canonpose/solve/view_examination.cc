@@ -366,6 +366,7 @@ void Examiner::NameFault(const ViewFit& fit, double limit, BadStretch& stretch) 
     stretch.jump_frames = jump;
     return;
   }
+  if (!capture_.static_cameras) return;
   // A camera that was moved does not move back.
   const auto count_fitting = [&](int first, int end) {
     return std::count_if(fit.frame_errors.begin() + first, fit.frame_errors.begin() + end,
@@ -373,7 +374,7 @@ void Examiner::NameFault(const ViewFit& fit, double limit, BadStretch& stretch) 
   };
   const bool moved_back = count_fitting(0, stretch.first) >= kMinFitFrames &&
                           count_fitting(stretch.first + stretch.count, clip_.count) >= kMinFitFrames;
-  if (!capture_.static_cameras || moved_back) return;
+  if (moved_back) return;
   const Resection moved = BestCameraOfWindows(frames, fit.reading);
   if (moved.valid && median_error(moved, 0.0) < limit) stretch.fault = StretchFault::kCameraMoved;
 }

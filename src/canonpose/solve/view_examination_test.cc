@@ -31,17 +31,7 @@ class AView : public ::testing::TestWithParam<bool> {
   /// Frame t of the view becomes what it recorded in frame source(t); nothing where that is outside of the clip.
   template <typename Source>
   void Take(Source&& source) {
-    for (int t = 0; t < kFrames; ++t) {
-      const int from = source(t);
-      DropFrames(kView, t, 1, rig_.capture);
-      if (from < 0 || from >= kFrames) continue;
-      for (int j = 0; j < rig_.capture.joint_count(); ++j) {
-        const std::size_t to = rig_.capture.Index(t, kView, j);
-        const std::size_t old = recorded_.Index(from, kView, j);
-        rig_.capture.confidence[to] = recorded_.confidence[old];
-        std::copy_n(&recorded_.xy[2 * old], 2, &rig_.capture.xy[2 * to]);
-      }
-    }
+    testing::TakeFrames(recorded_, kView, source, rig_.capture);
   }
   template <typename Change>
   void ChangeKeypoints(int first, int end, Change&& change) {

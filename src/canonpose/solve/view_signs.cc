@@ -26,10 +26,7 @@ constexpr double kTimesTheOthers = 2.0;
 /// scatter relative to that of both together, in the view's image.
 double OwnShare(const RobustPoint& joint, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& in_camera,
                 double scatter) {
-  Eigen::Matrix<double, 2, 3> rows = rotation.topRows<2>();
-  rows -= in_camera.head<2>() / in_camera.z() * rotation.row(2);
-  const Eigen::Matrix2d of_joint = rows * joint.information.inverse() * rows.transpose();
-  const double variance = 0.5 * of_joint.trace();
+  const double variance = VarianceInView(rotation, in_camera, joint.information.inverse());
   return std::isfinite(variance) && variance >= 0.0 ? scatter / std::sqrt(scatter * scatter + variance) : 0.0;
 }
 

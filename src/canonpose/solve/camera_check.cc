@@ -15,7 +15,7 @@
 #include "canonpose/solve/diagnosis.h"
 #include "canonpose/solve/fit.h"
 #include "canonpose/solve/frame_choice.h"
-#include "canonpose/solve/time_jump.h"
+#include "canonpose/solve/time_jump_correction.h"
 #include "canonpose/solve/time_offset.h"
 #include "canonpose/solve/view_examination.h"
 #include "canonpose/solve/view_signs.h"
@@ -37,8 +37,6 @@ constexpr double kGainOfKnownFault = 0.95;
 constexpr double kPairGain = 0.6;
 /// Of CappedError().
 constexpr double kLargeError = 0.03;
-/// Lost frames are looked for in views with this many times the outliers of the others.
-constexpr double kMoreOutliers = 1.25;
 /// Pairs of views are tried up to this many.
 constexpr std::size_t kMaxPairs = 15;
 
@@ -80,78 +78,6 @@ void AlignCameras(CaptureObservations& capture, const Calibrate& calibrate, Solu
     solution = calibrate(capture);
     if (!solution.calibration_summary.IsUsable()) return;
   }
-}
-
-/// Views with clearly more outliers than the others have in the median.
-std::vector<int> ViewsThatFitWorse(const CaptureObservations& capture, const Solution& solution) {
-  const std::vector<ViewSigns> signs = MeasureSigns(capture, solution);
-  std::vector<int> views;
-  for (std::size_t v = 0; v < signs.size(); ++v) {
-    if (!signs[v].known) continue;
-    std::vector<double> others;
-    for (std::size_t w = 0; w < signs.size(); ++w) {
-      if (w != v && signs[w].known) others.push_back(signs[w].outliers);
-    }
-    if (others.size() >= 2 && signs[v].outliers > kMoreOutliers * Median(std::move(others))) {
-      views.push_back(static_cast<int>(v));
-    }
-  }
-  return views;
-}
-
-/// Whether what was found about a view in a clip may be lost frames: only stretches that nothing explains.
-bool MayHaveLostFrames(const ViewCorrection& correction) {
-  return correction.reading.IsIdentity() &&
-         std::ranges::all_of(correction.bad, [](const BadStretch& bad) { return bad.fault == StretchFault::kOther; });
-}
-
-/// What a view recorded, with everything corrected that was found about it.
-void CorrectAgain(const CaptureObservations& original, const CameraCheck& check, int view,
-                  CaptureObservations& capture) {
-  CopyView(original, view, capture);
-  for (int clip = 0; clip < static_cast<int>(capture.clips.size()); ++clip) {
-    ApplyCorrection(check.At(clip, view), clip, view, capture);
-  }
-}
-
-/// Takes the frames behind those that a static view lost at the others' time, in the clip and view where that gains
-/// most. Returns whether any were lost.
-bool CorrectTimeJump(const CaptureObservations& original, CaptureObservations& capture, const Solution& solution,
-                     CameraCheck& check) {
-  TimeJump best;
-  int best_view = -1;
-  int best_clip = -1;
-  for (const int v : ViewsThatFitWorse(capture, solution)) {
-    for (int clip = 0; clip < static_cast<int>(capture.clips.size()); ++clip) {
-      if (!MayHaveLostFrames(check.At(clip, v))) continue;
-      std::optional<TimeJump> jump;
-      if (check.At(clip, v).bad.empty()) {
-        jump = FindTimeJump(capture, solution, clip, v);
-      } else {
-        CameraCheck without_bad = check;
-        without_bad.At(clip, v).bad.clear();
-        CaptureObservations with_all_frames = capture;
-        CorrectAgain(original, without_bad, v, with_all_frames);
-        jump = FindTimeJump(with_all_frames, solution, clip, v);
-      }
-      if (!jump || jump->gain <= best.gain) continue;
-      best = *jump;
-      best_view = v;
-      best_clip = clip;
-    }
-  }
-  if (best_view < 0) return false;
-  // From the time of the others to the view's own.
-  ViewCorrection& correction = check.At(best_clip, best_view);
-  BadStretch& stretch = best.stretch;
-  const int count = capture.clips[static_cast<std::size_t>(best_clip)].count;
-  const int end = stretch.first + stretch.count;
-  const auto own = [&](int frame) { return std::clamp(frame - correction.offset_frames, 0, count); };
-  stretch.first = stretch.first == 0 ? 0 : own(stretch.first);
-  stretch.count = (end == count ? count : own(end)) - stretch.first;
-  correction.bad = {stretch};
-  CorrectAgain(original, check, best_view, capture);
-  return true;
 }
 
 /// Shifts all views of a clip by the same number of frames so that most of them keep their own time.
@@ -472,7 +398,13 @@ CameraCheck CheckCameras(CaptureObservations& capture, const Calibrate& calibrat
       changed = CorrectTimeJump(original, capture, solution, check);
       if (changed) solution = calibrate(capture);
     }
-    if (!solution.calibration_summary.IsUsable() || (!examination.Run() && !changed)) break;
+    if (!solution.calibration_summary.IsUsable()) break;
+    changed |= examination.Run();
+    if (ForgetTimeJumps(original, capture, check)) {
+      solution = calibrate(capture);
+      changed = true;
+    }
+    if (!changed) break;
   }
   if (solution.calibration_summary.IsUsable()) KeepMajority(capture, check);
   return check;

@@ -62,6 +62,28 @@ bool LacksUncertainty(const PoseSequence& solved) {
          std::ranges::none_of(solved.standard_deviation(), [](float s) { return std::isfinite(s); });
 }
 
+ViewClock::ViewClock(const Sequence& sequence, const CameraView& view) : count_(sequence.frame_count) {
+  constexpr double kDefaultFps = 30.0;
+  constexpr double kSameMoment = 0.25;
+  if (view.solved_frames.empty()) {
+    const double fps = sequence.fps > 0.0 ? sequence.fps : kDefaultFps;
+    offset_ = static_cast<int>(std::lround(view.time_offset_seconds * fps));
+    return;
+  }
+  own_.assign(static_cast<std::size_t>(count_), -1);
+  for (std::size_t t = 0; t < view.solved_frames.size(); ++t) {
+    const double nearest = std::round(view.solved_frames[t]);
+    const bool is_near = std::abs(view.solved_frames[t] - nearest) <= kSameMoment;  // not where it is unknown
+    if (is_near && nearest >= 0.0 && nearest < count_) own_[static_cast<std::size_t>(nearest)] = static_cast<int>(t);
+  }
+}
+
+int ViewClock::OwnFrame(int frame) const {
+  if (!own_.empty()) return frame >= 0 && frame < count_ ? own_[static_cast<std::size_t>(frame)] : -1;
+  const int own = frame - offset_;
+  return own >= 0 && own < count_ ? own : -1;
+}
+
 bool Dataset::HasTruth() const {
   return AnyView(*this, [](const CameraView& view) { return view.truth.AnyKnown(); });
 }
@@ -128,6 +150,10 @@ void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& fi
       KeepRows(view.confidence, sequence.frame_count, range.first, last);
       view.truth.KeepFrames(range.first, last);
       view.solved.KeepFrames(range.first, last);
+      if (!view.solved_frames.empty()) {
+        KeepRows(view.solved_frames, sequence.frame_count, range.first, last);
+        for (double& frame : view.solved_frames) frame -= range.first;
+      }
       if (view.solved_calibration.size() > 1) {
         KeepRows(view.solved_calibration, sequence.frame_count, range.first, last);
       }

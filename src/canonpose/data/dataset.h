@@ -24,6 +24,10 @@ struct CameraView {
   /// What `solve` found that its clock differs by: its frame at time t shows what the other cameras show at this much
   /// more. `keypoints` and poses stay in the camera's own time.
   double time_offset_seconds = 0.0;
+  /// Where `solve` found that its frames are not simply so much earlier or later (another frame rate, played backwards,
+  /// frames lost): (T) the frame of the sequence, in the other cameras' time, that each of its frames shows; NaN where
+  /// it was left out. Otherwise empty.
+  std::vector<double> solved_frames{};
   /// Poses in the frame of this camera; empty where there are none. Their fps and the person's name are left to the
   /// Sequence.
   PoseSequence truth;  ///< in millimetres
@@ -88,6 +92,23 @@ struct Dataset {
   [[nodiscard]] bool HasCalibration() const;
   /// A hash of skeleton, keypoints and confidences, which is all that training without labels uses.
   [[nodiscard]] std::uint64_t Fingerprint() const;
+};
+
+/// Which frames of a view show what the sequence's frames do, by its time offset or its `solved_frames`.
+class ViewClock {
+ public:
+  ViewClock(const Sequence& sequence, const CameraView& view);
+  /// The view's own frame that shows what the other cameras show in `frame`, which may lie outside of the sequence; -1
+  /// where none is as near as 0.25 frames, or it was left out. A constant offset is rounded to whole frames.
+  [[nodiscard]] int OwnFrame(int frame) const;
+  /// The frames of the sequence, or outside of it, in which the first and the last of the view's own ones are.
+  [[nodiscard]] int first_frame() const { return own_.empty() ? offset_ : 0; }
+  [[nodiscard]] int last_frame() const { return own_.empty() ? count_ - 1 + offset_ : count_ - 1; }
+
+ private:
+  int count_ = 0;
+  int offset_ = 0;
+  std::vector<int> own_;  ///< (T) or empty: offset_ says all
 };
 
 /// First and last frame, both inclusive, counted from 0.

@@ -146,6 +146,13 @@ CameraView ReadCamera(const h5::Group& group, const std::string& name, const Ske
   view.truth = read_poses("truth", LengthUnit::kMillimetres);
   view.solved = read_poses("solved", solved_unit);
   if (!view.solved.empty()) ReadSolvedDetails(group, place, view.solved);
+  if (group.Has("solved_frames")) {
+    const h5::Array<double> solved_frames = group.Read<double>("solved_frames");
+    if (solved_frames.shape != std::vector<std::size_t>{shape[0]}) {
+      group.Fail("solved_frames", fmt::format("shape ({}) = frames", frames), h5::FormatShape(solved_frames.shape), "");
+    }
+    view.solved_frames = solved_frames.values;
+  }
   view.calibration = ReadCameras(group, frames);
   view.solved_calibration = ReadCameras(group, frames, "solved_");
   return view;
@@ -410,6 +417,10 @@ void DatasetWriter::Add(const Sequence& sequence) {
       Write(camera, array, poses->positions(), {frames, joints, 3});
     }
     if (!view.solved.empty()) WriteSolvedDetails(camera, view.solved);
+    if (!view.solved_frames.empty()) {
+      CANONPOSE_CHECK(view.solved_frames.size() == frames, "{} times for {} frames", view.solved_frames.size(), frames);
+      Write(camera, "solved_frames", view.solved_frames, {frames});
+    }
     WriteCameras(camera, view.calibration);
     WriteCameras(camera, view.solved_calibration, "solved_");
   }

@@ -66,6 +66,7 @@ Dataset Sample() {
   solved.standard_deviation().assign(6, 0.25F);
   solved.standard_deviation()[3] = kNaN;
   run.cameras[0].solved_calibration = {fixed};
+  run.cameras[0].solved_frames = {-0.5, 1.0};
   for (int frame = 0; frame < 2; ++frame) {
     Camera moving = fixed;
     moving.K(0, 0) += frame;
@@ -136,6 +137,7 @@ TEST(DatasetTest, RoundTripKeepsEverything) {
       ExpectSameValues(a.cameras[c].confidence, b.cameras[c].confidence);
       ExpectSamePoses(a.cameras[c].truth, b.cameras[c].truth);
       ExpectSamePoses(a.cameras[c].solved, b.cameras[c].solved);
+      EXPECT_EQ(a.cameras[c].solved_frames, b.cameras[c].solved_frames);
       ExpectSameCameras(a.cameras[c].calibration, b.cameras[c].calibration);
       ExpectSameCameras(a.cameras[c].solved_calibration, b.cameras[c].solved_calibration);
     }
@@ -266,6 +268,7 @@ TEST(DatasetTest, KeepFramesCutsEveryArray) {
   EXPECT_EQ(dataset.sequences[0].frame_count, 1);
   EXPECT_EQ(dataset.sequences[0].cameras[0].calibration.size(), 1U);
   EXPECT_EQ(dataset.sequences[0].cameras[0].calibration[0].K(0, 0), 1001.5);
+  EXPECT_EQ(dataset.sequences[0].cameras[0].solved_frames, std::vector<double>{0.0});
   EXPECT_EQ(dataset.sequences[1].frame_count, 2);
   EXPECT_EQ(dataset.sequences[1].cameras[1].keypoints.front(), 3.0F);
   EXPECT_EQ(dataset.sequences[1].cameras[1].confidence.size(), 6U);
@@ -278,6 +281,24 @@ TEST(DatasetTest, KeepFramesCutsEveryArray) {
                         KeepFrames(dataset, {7, 9}, "a.h5");
                       }),
               AllOf(HasSubstr("a.h5"), HasSubstr("frames from 7 on")));
+}
+
+TEST(ViewClock, FindsTheFrameThatShowsTheSameMoment) {
+  const Sequence sequence{"walk", "S1", 50.0, true, "room", 6, {}};
+  const auto own_frames = [&](const CameraView& view) {
+    const ViewClock clock(sequence, view);
+    std::vector<int> frames;
+    for (int n = clock.first_frame(); n <= clock.last_frame(); ++n) frames.push_back(clock.OwnFrame(n));
+    return frames;
+  };
+  CameraView view;
+  EXPECT_EQ(own_frames(view), (std::vector<int>{0, 1, 2, 3, 4, 5}));
+  view.time_offset_seconds = 0.04;
+  EXPECT_EQ(own_frames(view), (std::vector<int>{0, 1, 2, 3, 4, 5}));  // of the frames 2 to 7
+  EXPECT_EQ(ViewClock(sequence, view).OwnFrame(2), 0);
+  EXPECT_EQ(ViewClock(sequence, view).OwnFrame(1), -1);
+  view.solved_frames = {1.0, 3.2, kNaN, 7.0, 4.5, 0.0};
+  EXPECT_EQ(own_frames(view), (std::vector<int>{5, 0, -1, 1, -1, -1}));
 }
 
 TEST(DatasetTest, ActionsMustBeNamed) {

@@ -15,12 +15,6 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 // Rays that meet at 2 degrees magnify an error across them 30 times along them, which is useless as a reference.
 constexpr double kMinRayAngleRad = RadFromDeg(2.0);
 
-/// The frames by which a view's clock differs from that of the sequence.
-int OffsetFrames(const Sequence& sequence, const CameraView& view) {
-  constexpr double kDefaultFps = 30.0;
-  return static_cast<int>(std::lround(view.time_offset_seconds * (sequence.fps > 0.0 ? sequence.fps : kDefaultFps)));
-}
-
 /// Whether `solve` left out what a view shows in its own frame `frame`, as it does where a view does not fit the
 /// others.
 bool IsLeftOut(const Sequence& sequence, const CameraView& view, int frame) {
@@ -31,11 +25,11 @@ bool IsLeftOut(const Sequence& sequence, const CameraView& view, int frame) {
   return std::ranges::any_of(sequence.cameras, [&](const CameraView& other) { return knows_any(other.solved, frame); });
 }
 
-/// What a view shows in its own frame `frame`, which may be outside of the sequence.
+/// What a view shows in its own frame `frame`; nothing where that is -1.
 PointObservation Observe(const Sequence& sequence, const CameraView& view, int frame, std::size_t joint,
                          std::size_t joint_count) {
   PointObservation observation;
-  if (view.calibration.empty() || frame < 0 || frame >= sequence.frame_count) return observation;
+  if (view.calibration.empty() || frame < 0) return observation;
   observation.camera = &view.CalibrationAt(frame);
   if (IsLeftOut(sequence, view, frame)) return observation;
   const std::size_t i = static_cast<std::size_t>(frame) * joint_count + joint;
@@ -55,17 +49,17 @@ SequencePoses TriangulateSequence(const Sequence& sequence, const Skeleton& skel
   }
   int first = 0;
   int last = sequence.frame_count - 1;
-  std::vector<int> offsets;
+  std::vector<ViewClock> clocks;
   for (const CameraView& view : sequence.cameras) {
-    offsets.push_back(OffsetFrames(sequence, view));
-    first = std::min(first, offsets.back());
-    last = std::max(last, sequence.frame_count - 1 + offsets.back());
+    const ViewClock& clock = clocks.emplace_back(sequence, view);
+    first = std::min(first, clock.first_frame());
+    last = std::max(last, clock.last_frame());
   }
   std::vector<PointObservation> observations(sequence.cameras.size());
   for (int time = first; time <= last; ++time) {
     for (std::size_t joint = 0; joint < joint_count; ++joint) {
       for (std::size_t c = 0; c < observations.size(); ++c) {
-        observations[c] = Observe(sequence, sequence.cameras[c], time - offsets[c], joint, joint_count);
+        observations[c] = Observe(sequence, sequence.cameras[c], clocks[c].OwnFrame(time), joint, joint_count);
       }
       const TriangulatedPoint point = Triangulate(observations);
       if (!point.valid() || !point.in_front_of_all_cameras || point.largest_ray_angle_rad < kMinRayAngleRad) continue;
@@ -75,7 +69,7 @@ SequencePoses TriangulateSequence(const Sequence& sequence, const Skeleton& skel
         const double error_px = (seen.camera->Project(point.point_in_world_mm) - seen.pixel).norm();
         if (errors_px != nullptr && seen.confidence > 0.0 && std::isfinite(error_px)) errors_px->push_back(error_px);
         const Eigen::Vector3d in_camera = seen.camera->InCamera(point.point_in_world_mm);
-        const std::size_t i = static_cast<std::size_t>(time - offsets[c]) * joint_count + joint;
+        const std::size_t i = static_cast<std::size_t>(clocks[c].OwnFrame(time)) * joint_count + joint;
         for (std::size_t axis = 0; axis < 3; ++axis) {
           positions[c][3 * i + axis] = static_cast<float>(in_camera[static_cast<Eigen::Index>(axis)]);
         }

@@ -10,20 +10,48 @@ namespace {
 
 bool IsSolved(const CameraView& view) { return !view.solved.empty() && !view.solved_calibration.empty(); }
 
-/// Adds what one view knows of a frame to joints that are still missing.
-void AddPose(const CameraView& view, int frame, PoseSequence& person) {
-  const Camera& camera = view.SolvedCalibrationAt(frame);
+/// Adds what one view knows in its own frame `own` to joints of `frame` that are still missing.
+void AddPose(const CameraView& view, int own, int frame, PoseSequence& person) {
+  const Camera& camera = view.SolvedCalibrationAt(own);
   const auto joints = static_cast<std::size_t>(person.joint_count());
   const std::size_t first = static_cast<std::size_t>(frame) * joints;
+  const std::size_t first_own = static_cast<std::size_t>(own) * joints;
   for (std::size_t j = 0; j < joints; ++j) {
     const auto joint = static_cast<int>(j);
-    if (!view.solved.IsKnown(frame, joint) || person.IsKnown(frame, joint)) continue;
-    const Eigen::Vector3d in_camera = view.solved.PoseAt(frame).row(joint).transpose().cast<double>();
+    if (!view.solved.IsKnown(own, joint) || person.IsKnown(frame, joint)) continue;
+    const Eigen::Vector3d in_camera = view.solved.PoseAt(own).row(joint).transpose().cast<double>();
     const Eigen::Vector3d in_world =
         camera.camera_from_world_rotation.transpose() * (in_camera - camera.camera_from_world_translation);
     person.PoseAt(frame).row(joint) = in_world.cast<float>();
-    person.standard_deviation()[first + j] = view.solved.standard_deviation()[first + j];
+    person.standard_deviation()[first + j] = view.solved.standard_deviation()[first_own + j];
   }
+}
+
+/// The view's keypoint confidences, frame by frame of the sequence, where they are higher.
+void AddConfidence(const CameraView& view, const ViewClock& clock, PoseSequence& person) {
+  const auto joints = static_cast<std::size_t>(person.joint_count());
+  for (int n = 0; n < person.frame_count(); ++n) {
+    const int own = clock.OwnFrame(n);
+    for (std::size_t j = 0; own >= 0 && j < joints; ++j) {
+      float& confidence = person.confidence()[static_cast<std::size_t>(n) * joints + j];
+      confidence = std::max(confidence, view.confidence[static_cast<std::size_t>(own) * joints + j]);
+    }
+  }
+}
+
+/// The cameras of a view, frame by frame of the sequence where it moves; the nearest in time where none of its frames
+/// is there.
+std::vector<Camera> CamerasByFrame(const CameraView& view, const ViewClock& clock, int frame_count) {
+  if (view.solved_calibration.size() <= 1) return view.solved_calibration;
+  std::vector<Camera> cameras;
+  for (int n = 0; n < frame_count; ++n) {
+    int own = -1;
+    for (int distance = 0; own < 0 && distance < frame_count; ++distance) {
+      own = std::max(clock.OwnFrame(n - distance), clock.OwnFrame(n + distance));
+    }
+    cameras.push_back(view.SolvedCalibrationAt(std::max(own, 0)));
+  }
+  return cameras;
 }
 
 }  // namespace
@@ -43,20 +71,28 @@ Scene SceneOfSolved(const Dataset& dataset, const Sequence& sequence, const std:
   person.name = sequence.subject;
   person.fps = sequence.fps;
   person.unit = solved->solved.unit;
+  std::vector<ViewClock> clocks;
   for (const CameraView& view : sequence.cameras) {
-    for (std::size_t i = 0; i < view.confidence.size(); ++i) {
-      person.confidence()[i] = std::max(person.confidence()[i], view.confidence[i]);
-    }
+    const ViewClock& clock = clocks.emplace_back(sequence, view);
+    AddConfidence(view, clock, person);
     SceneCamera& camera = scene.cameras.emplace_back();
     camera.name = view.name;
     camera.image_size_px = view.image_size;
-    camera.calibration = view.solved_calibration;
+    camera.calibration = CamerasByFrame(view, clock, sequence.frame_count);
+    camera.time_offset_seconds = view.time_offset_seconds;
     camera.used = IsSolved(view);
     if (!camera.used) camera.why_not_used = "no solution of it was found";
   }
-  for (const CameraView& view : sequence.cameras) {
-    if (!IsSolved(view)) continue;
-    for (int t = 0; t < sequence.frame_count; ++t) AddPose(view, t, person);
+  // Poses of views with another clock may stand between the frames of the others, so they come last.
+  for (const bool has_own_clock : {false, true}) {
+    for (std::size_t c = 0; c < clocks.size(); ++c) {
+      const CameraView& view = sequence.cameras[c];
+      if (!IsSolved(view) || has_own_clock != (view.time_offset_seconds != 0.0 || !view.solved_frames.empty()))
+        continue;
+      for (int n = 0; n < sequence.frame_count; ++n) {
+        if (const int own = clocks[c].OwnFrame(n); own >= 0) AddPose(view, own, n, person);
+      }
+    }
   }
   return scene;
 }

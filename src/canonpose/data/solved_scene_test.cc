@@ -69,6 +69,27 @@ TEST(SceneOfSolved, PutsThePersonIntoTheWorldOfTheCameras) {
   EXPECT_FALSE(scene.up.is_known());
 }
 
+TEST(SceneOfSolved, TakesPosesAtTheTimeOfTheOtherCameras) {
+  Eigen::Matrix<float, 4, 3> in_world;
+  in_world << 0, 0, 0, 0.1F, 0.2F, 0.3F, 1, 0, 0, 1.1F, 0.2F, 0.3F;
+  const auto first_pose_is_late = [&](Dataset dataset) {
+    const Scene scene = SceneOfSolved(dataset, dataset.sequences[0], "solved.h5");
+    // Only the first camera's frames are used, and what it shows first is the second pose.
+    EXPECT_LT((scene.people[0].PoseAt(1).row(0) - in_world.row(0)).cwiseAbs().maxCoeff(), 1e-6F);
+    return scene.people[0].IsKnown(0, 0);
+  };
+  Dataset dataset = Solved(in_world);
+  dataset.sequences[0].cameras[1].solved = {};
+  dataset.sequences[0].fps = 50.0;
+  dataset.sequences[0].cameras[0].time_offset_seconds = 1.0 / 50.0;
+  EXPECT_FALSE(first_pose_is_late(dataset));
+  dataset.sequences[0].cameras[0].time_offset_seconds = 0.0;
+  dataset.sequences[0].cameras[0].solved_frames = {1.0, std::nan("")};
+  EXPECT_FALSE(first_pose_is_late(dataset));
+  dataset.sequences[0].cameras[0].solved_frames = {1.1, 0.0};  // backwards
+  EXPECT_TRUE(first_pose_is_late(dataset));
+}
+
 TEST(SceneOfSolved, AsksForASolution) {
   Dataset dataset = Solved(Eigen::Matrix<float, 4, 3>::Zero());
   for (CameraView& view : dataset.sequences[0].cameras) view.solved = {};

@@ -1,6 +1,7 @@
 #include "canonpose/data/solved_world.h"
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 #include <vector>
 
@@ -19,15 +20,24 @@ bool HasSolution(const Sequence& sequence) {
   });
 }
 
-void MoveToWorld(const WorldPlacement& world, CameraView& view) {
+void MoveToWorld(const WorldPlacement& world, const Sequence& sequence, CameraView& view) {
   const auto factor = static_cast<float>(world.scale);
   if (world.scale != 1.0) {
     for (float& coordinate : view.solved.positions()) coordinate *= factor;
     for (float& deviation : view.solved.standard_deviation()) deviation *= factor;
   }
   if (!view.solved.empty()) view.solved.unit = world.unit;
-  for (std::size_t t = 0; t < view.solved_calibration.size(); ++t) {
-    view.solved_calibration[t] = world.Apply(static_cast<int>(t), view.solved_calibration[t]);
+  // Where cameras move, every frame of the sequence has a placement of its own.
+  std::vector<int> frames(view.solved_calibration.size());
+  std::iota(frames.begin(), frames.end(), 0);
+  if (frames.size() > 1) {
+    const ViewClock clock(sequence, view);
+    for (int n = 0; n < sequence.frame_count; ++n) {
+      if (const int own = clock.OwnFrame(n); own >= 0) frames[static_cast<std::size_t>(own)] = n;
+    }
+  }
+  for (std::size_t t = 0; t < frames.size(); ++t) {
+    view.solved_calibration[t] = world.Apply(frames[t], view.solved_calibration[t]);
   }
 }
 
@@ -66,7 +76,7 @@ void PlaceSolvedInWorld(std::span<const std::size_t> sequences, const WorldMeasu
   if (scenes.empty()) return;
   const WorldPlacement world = FindWorld(scenes, measures);
   for (Sequence* sequence : placed) {
-    for (CameraView& view : sequence->cameras) MoveToWorld(world, view);
+    for (CameraView& view : sequence->cameras) MoveToWorld(world, *sequence, view);
     sequence->solved_world = world.known;
   }
 }

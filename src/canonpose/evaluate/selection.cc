@@ -24,6 +24,10 @@ void KeepFrames(Sequence& sequence, int first, int step) {
     KeepRows(view.confidence, count, first, step);
     view.truth.KeepFrames(first, count - 1, step);
     view.solved.KeepFrames(first, count - 1, step);
+    if (!view.solved_frames.empty()) {
+      KeepRows(view.solved_frames, count, first, step);
+      for (double& frame : view.solved_frames) frame = (frame - first) / step;
+    }
     if (view.calibration.size() > 1) KeepRows(view.calibration, count, first, step);
     if (view.solved_calibration.size() > 1) KeepRows(view.solved_calibration, count, first, step);
   }

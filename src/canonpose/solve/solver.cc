@@ -293,6 +293,7 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
       view.solved = {};
       view.solved_calibration.clear();
       view.time_offset_seconds = 0.0;
+      view.solved_frames = {};
     }
     sequence.solved_world = {};
   }

@@ -34,17 +34,29 @@ int NearestKnownFrame(const RigEstimate& estimate, const ClipRange& clip, int fr
   return -1;
 }
 
+/// The cameras of a view's own frames, which `correction` takes to those of the capture.
 void WriteCameras(const CaptureObservations& capture, const RigEstimate& estimate, const ClipRange& clip, int v,
-                  CameraView& view) {
+                  const ViewCorrection& correction, CameraView& view) {
   if (capture.static_cameras) {
     if (estimate.CameraAt(0, v).valid) view.solved_calibration = {CameraOf(capture, estimate, 0, v)};
     return;
   }
   if (NearestKnownFrame(estimate, clip, clip.first, v) < 0) return;
-  for (int n = clip.first; n < clip.first + clip.count; ++n) {
-    const int known = NearestKnownFrame(estimate, clip, n, v);
+  for (int t = 0; t < clip.count; ++t) {
+    const double time = correction.TimeOf(t);
+    const int n = std::isfinite(time) ? std::clamp(static_cast<int>(std::lround(time)), 0, clip.count - 1) : t;
+    const int known = NearestKnownFrame(estimate, clip, clip.first + n, v);
     view.solved_calibration.push_back(CameraOf(capture, estimate, known, v));
   }
+}
+
+/// CameraView::solved_frames.
+std::vector<double> FramesShown(const ViewCorrection& correction, const ClipRange& clip) {
+  const auto is_jump = [](const BadStretch& bad) { return bad.fault == StretchFault::kTimeJump; };
+  if (correction.reading.time.rate == 1.0 && std::ranges::none_of(correction.bad, is_jump)) return {};
+  std::vector<double> frames;
+  for (int t = 0; t < clip.count; ++t) frames.push_back(correction.TimeOf(t));
+  return frames;
 }
 
 /// Keypoints as the correction reads them.
@@ -185,7 +197,8 @@ void WriteSolution(const CaptureObservations& capture, const Solution& solution,
       const double offset_frames =
           correction.offset_frames + (correction.reading.time.rate == 1.0 ? correction.reading.time.offset : 0.0);
       view.time_offset_seconds = offset_frames / clip.fps;
-      WriteCameras(capture, solution.estimate, clip, v, view);
+      view.solved_frames = FramesShown(correction, clip);
+      WriteCameras(capture, solution.estimate, clip, v, correction, view);
     }
   }
 }

@@ -1,6 +1,8 @@
 #include "canonpose/view/page_content.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <limits>
 #include <utility>
 
 #include "canonpose/base/error.h"
@@ -10,12 +12,29 @@
 namespace canonpose {
 namespace {
 
+/// What a view saw, frame by frame of the sequence.
+ViewKeypoints KeypointsOf(const Sequence& sequence, const CameraView& view) {
+  const std::size_t joints = view.confidence.size() / static_cast<std::size_t>(std::max(1, sequence.frame_count));
+  const ViewClock clock(sequence, view);
+  ViewKeypoints shown{std::vector<float>(view.keypoints.size(), std::numeric_limits<float>::quiet_NaN()),
+                      std::vector<float>(view.confidence.size(), 0.0F)};
+  for (int n = 0; n < sequence.frame_count; ++n) {
+    const int own = clock.OwnFrame(n);
+    if (own < 0) continue;
+    const std::size_t from = static_cast<std::size_t>(own) * joints;
+    const std::size_t to = static_cast<std::size_t>(n) * joints;
+    std::copy_n(&view.keypoints[2 * from], 2 * joints, &shown.keypoints[2 * to]);
+    std::copy_n(&view.confidence[from], joints, &shown.confidence[to]);
+  }
+  return shown;
+}
+
 /// The keypoints of a sequence, for the cameras of its scene by name.
 std::vector<ViewKeypoints> KeypointsOf(const Sequence& sequence, const Scene& scene) {
   std::vector<ViewKeypoints> detections(scene.cameras.size());
   for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
     const auto view = std::ranges::find(sequence.cameras, scene.cameras[c].name, &CameraView::name);
-    if (view != sequence.cameras.end()) detections[c] = {view->keypoints, view->confidence};
+    if (view != sequence.cameras.end()) detections[c] = KeypointsOf(sequence, *view);
   }
   return detections;
 }
@@ -42,10 +61,8 @@ ShownResult ReadShownResult(const std::filesystem::path& path) {
     const auto sequence = std::ranges::find(dataset.sequences, shown.scene.name, &Sequence::name);
     if (sequence == dataset.sequences.end() || shown.scene.people.size() != 1) continue;
     shown.detections = {KeypointsOf(*sequence, shown.scene)};
-    for (SceneCamera& camera : shown.scene.cameras) {
-      const auto view = std::ranges::find(sequence->cameras, camera.name, &CameraView::name);
-      if (view != sequence->cameras.end()) camera.time_offset_seconds = view->time_offset_seconds;
-    }
+    // What the cameras saw now stands at the scene's frames.
+    for (SceneCamera& camera : shown.scene.cameras) camera.time_offset_seconds = 0.0;
   }
   return result;
 }

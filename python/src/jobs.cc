@@ -4,6 +4,9 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <string>
+#include <utility>
+#include <variant>
 
 #include "networks.h"
 #include "python.h"
@@ -147,6 +150,28 @@ Solved RunSolve(const DataArguments& data, const BootstrapOptions& bootstrap, co
   return solved;
 }
 
+/// One height in metres of everybody, or heights by person.
+using Heights = std::variant<std::monostate, double, std::map<std::string, double>>;
+/// Metres by the names of two cameras.
+using CameraDistances = std::map<std::pair<std::string, std::string>, double>;
+
+WorldMeasures MeasuresOf(const Heights& heights, const CameraDistances& distances) {
+  WorldMeasures measures;
+  if (const auto* height = std::get_if<double>(&heights)) {
+    measures.heights.push_back(KnownHeight::Parse(fmt::format("{}", *height)));
+  }
+  if (const auto* by_person = std::get_if<std::map<std::string, double>>(&heights)) {
+    for (const auto& [person, height] : *by_person) {
+      measures.heights.push_back(KnownHeight::Parse(fmt::format("{}={}", person, height)));
+    }
+  }
+  for (const auto& [cameras, distance] : distances) {
+    measures.distances.push_back(
+        KnownDistance::Parse(fmt::format("{},{}={}", cameras.first, cameras.second, distance)));
+  }
+  return measures;
+}
+
 void AddSolve(py::module_& module) {
   py::class_<Solved>(module, "Solved", "What solve() found.")
       .def_readonly("dataset", &Solved::dataset, "The data with 3D poses and cameras.")
@@ -164,7 +189,8 @@ void AddSolve(py::module_& module) {
       "solve",
       [](const DataArguments& data, const std::optional<fs::path>& model, const std::string& start,
          const std::string& mirror, const std::string& frames, int threads, std::uint64_t seed,
-         const std::string& device, const py::object& progress) {
+         const std::string& device, const Heights& height, const CameraDistances& camera_distances,
+         bool calibrated_scale, const py::object& progress) {
         BootstrapOptions bootstrap;
         bootstrap.kind = start;
         bootstrap.model = model.value_or("");
@@ -174,13 +200,17 @@ void AddSolve(py::module_& module) {
         SolveOptions options;
         options.mirror = mirror;
         options.threads = threads;
+        options.measures = MeasuresOf(height, camera_distances);
+        options.calibrated_scale = calibrated_scale;
         return Result({progress}, [&] { return RunSolve(data, bootstrap, options, frames); });
       },
       py::arg("data"), py::kw_only(), py::arg("model") = py::none(), py::arg("bootstrap") = "auto",
       py::arg("mirror") = "auto", py::arg("frames") = "", py::arg("threads") = 0, py::arg("seed") = 0,
-      py::arg("device") = "cpu", py::arg("progress") = py::none(),
+      py::arg("device") = "cpu", py::arg("height") = py::none(), py::arg("camera_distances") = CameraDistances(),
+      py::arg("calibrated_scale") = false, py::arg("progress") = py::none(),
       "Finds the 3D poses and the cameras of recordings from keypoints alone. `data`: a dataset or the path of one, or "
-      "several that are solved together; they stay as they are. `progress(label, done, total, detail)` is called now "
+      "several that are solved together; they stay as they are. For millimetres: `height` in metres of the person, or "
+      "{name: metres}; or `camera_distances`, {(camera, camera): metres}; or `calibrated_scale`. `progress(label, done, total, detail)` is called now "
       "and then; what it raises stops the work. See docs/solve.md.");
 }
 

@@ -123,6 +123,8 @@ void AddSceneTypes(py::module_& module) {
       .def_property_readonly("cameras", [](const py::object& s) { return Elements(s.cast<Scene&>().cameras, s); })
       .def_property_readonly(
           "up", [](const Scene& s) { return s.up.source; }, "What up is known from; '': unknown.")
+      .def_property_readonly(
+          "floor", [](const Scene& s) { return s.floor.source; }, "What the floor, z = 0, is known from; '': unknown.")
       .def_property_readonly("scale", [](const Scene& s) { return s.scale.source; })
       .def(
           "write",

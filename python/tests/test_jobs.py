@@ -55,6 +55,27 @@ def test_the_scene_reprojects_onto_the_keypoints(dataset, solved):
         assert np.nanmedian(np.hypot(*error.T)) < 10
 
 
+def test_solve_takes_sizes(dataset):
+    scene, = canonpose.solve(dataset, height=1.75, threads=1).scenes
+    assert "1.75" in scene.scale and scene.up and scene.floor
+    heights = np.nanmax(scene.people[0].positions[..., 2], axis=1)
+    assert 1200 < np.median(heights) < 2000  # mm above the floor; the head's top is no joint
+    with pytest.raises(canonpose.InvalidArgument, match="height"):
+        canonpose.solve(dataset, height=175)
+    with pytest.raises(canonpose.InvalidArgument, match="camera_distance"):
+        canonpose.solve(dataset, camera_distances={("cam1", "nobody"): 2.0})
+
+
+def test_the_lines_of_the_readme_make_an_animation(dataset, tmp_path, monkeypatch):
+    readme = pathlib.Path(__file__).parents[2] / "README.md"
+    code = readme.read_text().split("```python\n")[1].split("```")[0]
+    monkeypatch.chdir(tmp_path)
+    dataset.write("data.h5")
+    exec(compile(code, str(readme), "exec"), {})
+    content = pathlib.Path("person.glb").read_bytes()
+    assert content[:4] == b"glTF" and int.from_bytes(content[8:12], "little") == len(content)
+
+
 def test_evaluate_gives_figures(solved, tmp_path):
     figures = canonpose.evaluate(solved.dataset)
     assert 0 < figures["p_mpjpe_mm"] < 40 and figures["p_mpjpe_mm"] < figures["n_mpjpe_mm"]

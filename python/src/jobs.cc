@@ -210,7 +210,8 @@ void AddSolve(py::module_& module) {
       py::arg("calibrated_scale") = false, py::arg("progress") = py::none(),
       "Finds the 3D poses and the cameras of recordings from keypoints alone. `data`: a dataset or the path of one, or "
       "several that are solved together; they stay as they are. For millimetres: `height` in metres of the person, or "
-      "{name: metres}; or `camera_distances`, {(camera, camera): metres}; or `calibrated_scale`. `progress(label, done, total, detail)` is called now "
+      "{name: metres}; or `camera_distances`, {(camera, camera): metres}; or `calibrated_scale`. `progress(label, "
+      "done, total, detail)` is called now "
       "and then; what it raises stops the work. See docs/solve.md.");
 }
 

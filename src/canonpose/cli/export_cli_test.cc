@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "canonpose/base/testing.h"
 #include "canonpose/cli/program_testing.h"
@@ -220,6 +221,55 @@ TEST(ExportProgram, CalibrationsComeBack) {
       EXPECT_LT((read.camera_from_world_rotation - expected.camera_from_world_rotation).norm(), 1e-9) << file;
       EXPECT_LT((read.camera_from_world_translation - expected.camera_from_world_translation).norm(), 0.01) << file;
     }
+  }
+}
+
+/// What `evaluate` says of a solved dataset, with these calibrations for a reference.
+nlohmann::json FiguresOf(const Dataset& solved, const fs::path& file) {
+  WriteDataset(file, solved);
+  EXPECT_EQ(Execute({"evaluate", file, "--json", file.string() + ".json"}).exit_code, 0);
+  return nlohmann::json::parse(ReadFile(file.string() + ".json"));
+}
+
+/// Solved cameras that were exported and come back as a calibration give the figures that they give themselves.
+TEST(ExportProgram, SolvedCamerasCloseTheCircle) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(Execute({"simulate", "-o", folder / "data.h5", "--openpose", folder / "openpose", "--subjects", "1",
+                     "--clips", "1", "--seconds", "2", "--activities", "gait", "--seed", "3"})
+                .exit_code,
+            0);
+  ASSERT_EQ(Execute({"solve", folder / "data.h5", "-o", folder / "solved.h5", "--calibrated-scale", "--threads", "1"})
+                .exit_code,
+            0);
+  Dataset solved = ReadDataset(folder / "solved.h5");
+  std::vector<CameraView>& views = solved.sequences[0].cameras;
+  for (CameraView& view : views) {
+    view.truth = {};
+    view.calibration = view.solved_calibration;
+  }
+  const nlohmann::json expected = FiguresOf(solved, folder / "expected.h5");
+  EXPECT_LT(expected["n_mpjpe_mm"], 50.0);
+  const std::string clip = fs::directory_iterator(fs::path(folder / "openpose"))->path();
+  for (const auto& [name, format] : {std::pair("a.json", "json"), std::pair("Calib.toml", "pose2sim"),
+                                     std::pair("b.toml", "anipose"), std::pair("c.yml", "opencv")}) {
+    const std::string file = folder / name;
+    ASSERT_EQ(Execute({"export", folder / "solved.h5", "-o", file, "--cameras", format}).exit_code, 0);
+    const Outcome outcome =
+        Execute({"import", "openpose", clip, "--calibration", file, "-o", folder / "back.h5", "--fps", "50"});
+    ASSERT_EQ(outcome.exit_code, 0) << name << outcome.errors;
+    EXPECT_THAT(outcome.errors, Not(HasSubstr("does not fit"))) << name;
+    const Dataset back = ReadDataset(folder / "back.h5");
+    ASSERT_EQ(back.sequences[0].cameras.size(), views.size());
+    for (std::size_t c = 0; c < views.size(); ++c) {
+      EXPECT_EQ(back.sequences[0].cameras[c].name, views[c].name);
+      views[c].calibration = back.sequences[0].cameras[c].calibration;
+    }
+    const nlohmann::json figures = FiguresOf(solved, folder / "again.h5");
+    for (const char* const figure : {"n_mpjpe_mm", "p_mpjpe_mm", "cps"}) {
+      EXPECT_NEAR(figures[figure].get<double>(), expected[figure].get<double>(), 1e-3) << name << " " << figure;
+    }
+    EXPECT_LT(figures["cameras"]["ae_deg"].get<double>(), 1e-3) << name;
+    EXPECT_LT(figures["cameras"]["te_mm"].get<double>(), 0.1) << name;
   }
 }
 

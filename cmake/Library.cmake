@@ -6,7 +6,7 @@ set(CANONPOSE_PUBLIC_HEADERS
   base/callbacks.h base/error.h base/version.h
   skeleton/skeleton.h
   geometry/camera.h
-  scene/lifted_poses.h scene/pose_sequence.h scene/scene.h scene/world.h
+  scene/lifted_poses.h scene/pose_sequence.h scene/scene.h scene/world.h scene/world_measures.h
   data/choice.h data/dataset.h data/import.h data/read_scenes.h data/solved_scene.h data/readers/benchmarks/benchmark.h
   simulate/simulator.h
   evaluate/report.h

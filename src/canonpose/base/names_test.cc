@@ -12,5 +12,12 @@ TEST(Names, CaseIsIgnored) {
   EXPECT_FALSE(SameName("LHip", "RHip"));
 }
 
+TEST(Names, AreJoinedToASentence) {
+  EXPECT_EQ(JoinWithAnd({}), "");
+  EXPECT_EQ(JoinWithAnd({"a"}), "a");
+  EXPECT_EQ(JoinWithAnd({"a", "b"}), "a and b");
+  EXPECT_EQ(JoinWithAnd({"a", "b", "c"}), "a, b and c");
+}
+
 }  // namespace
 }  // namespace canonpose

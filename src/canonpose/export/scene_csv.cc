@@ -22,7 +22,7 @@ std::string SceneCsvHeader(const Scene& scene, const FileSpace& space) {
   for (std::size_t p = 0; p < scene.people.size(); ++p) {
     const std::vector<std::string>& joints = scene.people[p].skeleton().joints;
     const auto add = [&](const std::string& joint, const std::string& quantity) {
-      text += ',' + CsvCell(prefixes[p] + joint + quantity);
+      text += "," + CsvCell(fmt::format("{}{}{}", prefixes[p], joint, quantity));
     };
     for (const std::string& joint : joints) {
       for (const char axis : {'x', 'y', 'z'}) add(joint, fmt::format("_{} [{}]", axis, space.unit()));

@@ -50,9 +50,6 @@ class PoseLifter {
 /// Human Movement). Throws Error(kBadInput) where the skeleton has no such path.
 void ScaleToHeight(LiftedPoses& poses, double height_mm);
 
-/// Throws Error(kInvalidArgument) where `height_m` is nobody's stature in metres.
-void RequireHeight(double height_m);
-
 /// The smallest window of Smooth(), in frames.
 inline constexpr int kMinSmoothing = 5;
 

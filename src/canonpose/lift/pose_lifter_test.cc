@@ -10,6 +10,7 @@
 #include "canonpose/base/testing.h"
 #include "canonpose/geometry/viewing_ray.h"
 #include "canonpose/model/tensors.h"
+#include "canonpose/skeleton/anthropometry.h"
 
 namespace canonpose {
 namespace {

@@ -7,6 +7,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/data/import.h"
+#include "canonpose/skeleton/anthropometry.h"
 
 namespace canonpose {
 namespace {

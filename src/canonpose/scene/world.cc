@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -11,16 +10,16 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/median.h"
+#include "canonpose/base/names.h"
 #include "canonpose/geometry/angles.h"
+#include "canonpose/scene/body_axis.h"
 #include "canonpose/scene/feet.h"
 #include "canonpose/scene/stature.h"
 #include "canonpose/scene/up_solver.h"
 #include "canonpose/skeleton/anthropometry.h"
-#include "canonpose/skeleton/mapping.h"
 
 namespace canonpose {
 namespace {
@@ -52,59 +51,6 @@ constexpr double kLowestFootDeviation = 0.03;
 constexpr double kMentionedShare = 0.1;
 
 double FpsOf(const PoseSequence& person) { return person.fps > 0.0 ? person.fps : kFpsWhereUnknown; }
-
-// ------------------------------------------------------------------------------------------------- upright people
-
-/// The axis of a person's body in a frame.
-struct BodyAxis {
-  Eigen::Vector3d direction;
-  bool stands = false;  ///< with legs and trunk nearly straight; then from ankles to shoulders, otherwise of the trunk
-};
-
-class Body {
- public:
-  explicit Body(const PoseSequence& person) : person_(&person) {
-    constexpr const char* kBodyParts[] = {"hip", "shoulder", "knee", "ankle"};
-    for (std::size_t part = 0; part < 4; ++part) {
-      for (std::size_t side = 0; side < 2; ++side) {
-        joints_[part][side] = FindPart(person.skeleton(), (side == 0 ? "l" : "r") + std::string(kBodyParts[part]));
-      }
-    }
-  }
-
-  [[nodiscard]] std::optional<BodyAxis> AxisAt(int frame) const {
-    const Eigen::Vector3d hips = Middle(frame, 0);
-    const Eigen::Vector3d shoulders = Middle(frame, 1);
-    const Eigen::Vector3d ankles = Middle(frame, 3);
-    const Eigen::Vector3d trunk = shoulders - hips;
-    if (!(trunk.norm() > 0.0)) return std::nullopt;
-    const Eigen::Vector3d legs = hips - ankles;
-    double leg_length = 0.0;
-    for (std::size_t side = 0; side < 2; ++side) {
-      leg_length +=
-          0.5 * ((At(frame, 0, side) - At(frame, 2, side)).norm() + (At(frame, 2, side) - At(frame, 3, side)).norm());
-    }
-    // Of a walking person's legs the middle is a little shorter, of a sitting person's much.
-    constexpr double kStraight = 0.88;
-    const double cosine_of_bend = trunk.dot(legs) / (trunk.norm() * legs.norm());
-    const bool stands = legs.norm() > kStraight * leg_length && cosine_of_bend > std::cos(RadFromDeg(30.0));
-    const Eigen::Vector3d axis = stands ? Eigen::Vector3d(shoulders - ankles) : trunk;
-    return BodyAxis{axis.normalized(), stands};
-  }
-
- private:
-  [[nodiscard]] Eigen::Vector3d At(int frame, std::size_t part, std::size_t side) const {
-    const std::optional<int>& joint = joints_[part][side];
-    if (!joint) return Eigen::Vector3d::Constant(std::nan(""));
-    return person_->PoseAt(frame).row(*joint).transpose().cast<double>();
-  }
-  [[nodiscard]] Eigen::Vector3d Middle(int frame, std::size_t part) const {
-    return 0.5 * (At(frame, part, 0) + At(frame, part, 1));
-  }
-
-  const PoseSequence* person_;
-  std::array<std::array<std::optional<int>, 2>, 4> joints_;
-};
 
 /// Directions of one kind over time.
 struct MeanDirection {
@@ -166,19 +112,13 @@ UpSolver::Result SolveFrom(const UpSolver& solver, const Eigen::Vector3d& camera
   return best;
 }
 
-/// "a, b and c"
-std::string Enumerate(const std::vector<std::string>& things) {
-  if (things.size() < 2) return things.empty() ? "" : things.front();
-  return fmt::format("{} and {}", fmt::join(things.begin(), things.end() - 1, ", "), things.back());
-}
-
 std::string DescribeUp(const std::array<double, UpSolver::kEvidenceKinds>& shares) {
   constexpr const char* kNames[] = {"cameras held level", "people who stand upright", "feet that stand still"};
   std::vector<std::string> names;
   for (std::size_t i = 0; i < shares.size(); ++i) {
     if (shares[i] >= kMentionedShare) names.emplace_back(kNames[i]);
   }
-  return Enumerate(names);
+  return JoinWithAnd(names);
 }
 
 /// The feet of everybody whose stature is known, over all scenes.
@@ -373,104 +313,6 @@ std::vector<UpSolver::Result> SmoothUp(const std::vector<UpSolver::Result>& fram
   return smooth;
 }
 
-// --------------------------------------------------------------------------------------------------------- scale
-
-/// Whether a height is this person's.
-bool IsOf(const KnownHeight& height, const PoseSequence& person) {
-  return height.person.empty() || height.person == person.name;
-}
-
-std::string InMetres(double mm) { return fmt::format("{:g} m", std::round(mm) / 1000.0); }
-
-/// Sets scale, unit and where it is from by the heights of people.
-void ScaleByHeights(std::span<const Scene> scenes, const std::vector<KnownHeight>& heights, WorldPlacement& world) {
-  struct Person {
-    std::string name;
-    double height_mm;
-    double scales = 0.0;  ///< weighted by frames
-    double frames = 0.0;
-    StatureEstimate stature;
-  };
-  std::vector<Person> people;
-  for (const Scene& scene : scenes) {
-    for (const PoseSequence& person : scene.people) {
-      const auto height = std::ranges::find_if(heights, [&](const KnownHeight& one) { return IsOf(one, person); });
-      if (height == heights.end()) continue;
-      const std::optional<StatureEstimate> stature = EstimateStature(person);
-      if (!stature) continue;
-      auto known = std::ranges::find(people, person.name, &Person::name);
-      if (known == people.end())
-        known = people.insert(people.end(), Person{person.name, height->height_mm, 0.0, 0.0, *stature});
-      known->scales += person.frame_count() * height->height_mm / stature->stature;
-      known->frames += person.frame_count();
-    }
-  }
-  if (people.empty()) return;
-  double weights = 0.0;
-  double sum = 0.0;
-  std::vector<std::string> names;
-  for (const Person& person : people) {
-    const double weight = 1.0 / (person.stature.uncertainty_percent * person.stature.uncertainty_percent);
-    sum += weight * person.scales / person.frames;
-    weights += weight;
-    names.push_back(people.size() == 1 ? InMetres(person.height_mm)
-                                       : fmt::format("{} ({})", InMetres(person.height_mm), person.name));
-  }
-  world.scale = sum / weights;
-  world.unit = LengthUnit::kMillimetres;
-  world.known.scale = {fmt::format("the height given, {}, and {}", Enumerate(names), people.front().stature.bones),
-                       std::sqrt(1.0 / weights)};
-}
-
-const SceneCamera& FindCamera(const std::vector<const SceneCamera*>& cameras, const std::string& name) {
-  const auto found = std::ranges::find_if(cameras, [&](const SceneCamera* camera) { return camera->name == name; });
-  if (found != cameras.end()) return **found;
-  std::vector<std::string> names;
-  for (const SceneCamera* camera : cameras) names.push_back(camera->name);
-  ThrowInvalidArgument("`camera_distance`: expected cameras that were solved ({}), found {}", fmt::join(names, ", "),
-                       name);
-}
-
-Eigen::Vector3d CentreOf(const SceneCamera& camera) {
-  const Camera& one = camera.calibration.front();
-  return -one.camera_from_world_rotation.transpose() * one.camera_from_world_translation;
-}
-
-void ScaleByDistances(std::span<const Scene> scenes, const WorldMeasures& measures, WorldPlacement& world) {
-  if (Moves(scenes)) {
-    ThrowInvalidArgument("`camera_distance`: expected cameras that stand still, but those of {} move; give a height",
-                         scenes.front().name);
-  }
-  const std::vector<const SceneCamera*> cameras = SolvedCameras(scenes);
-  std::vector<double> scales;
-  double products = 0.0;
-  double squares = 0.0;
-  for (const KnownDistance& known : measures.distances) {
-    const double distance =
-        (CentreOf(FindCamera(cameras, known.camera)) - CentreOf(FindCamera(cameras, known.other))).norm();
-    if (!(distance > 0.0)) {
-      ThrowInvalidArgument("`camera_distance`: {} and {} are at the same place", known.camera, known.other);
-    }
-    scales.push_back(known.distance_mm / distance);
-    products += distance * known.distance_mm;
-    squares += distance * distance;
-  }
-  world.scale = products / squares;
-  world.unit = LengthUnit::kMillimetres;
-  // Solved distances are off by about as much as focal lengths; several show how much.
-  double variance = 0.0;
-  for (const double scale : scales) variance += std::pow(scale / world.scale - 1.0, 2);
-  const auto count = static_cast<double>(scales.size());
-  constexpr double kUsualPercent = 2.0;
-  const double percent = count > 1 ? 100.0 * std::sqrt(variance / (count - 1) / count) : kUsualPercent;
-  const KnownDistance& first = measures.distances.front();
-  world.known.scale = {!measures.distances_source.empty() ? measures.distances_source
-                       : count > 1 ? fmt::format("{} distances given between cameras", scales.size())
-                                   : fmt::format("the distance given between {} and {}, {}", first.camera, first.other,
-                                                 InMetres(first.distance_mm)),
-                       std::max(percent, 0.1)};
-}
-
 // --------------------------------------------------------------------------------------------------------- axes
 
 /// The first used camera's x axis, in the coordinates of the scenes.
@@ -565,46 +407,17 @@ void RequireMeasures(std::span<const Scene> scenes, const WorldMeasures& measure
   CANONPOSE_CHECK(scenes.size() == 1 || !Moves(scenes), "{} scenes of moving cameras", scenes.size());
 }
 
-/// The number after the last '='; the rest is in `name`.
-double ParseMetres(const std::string& text, std::string& name) {
-  const std::size_t equals = text.rfind('=');
-  if (equals != std::string::npos) name = text.substr(0, equals);
-  const std::string number = equals == std::string::npos ? text : text.substr(equals + 1);
-  double metres = 0.0;
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), metres);
-  return error == std::errc() && end == number.data() + number.size() && !number.empty() ? metres : std::nan("");
+std::optional<MeasuredScale> FindScale(std::span<const Scene> scenes, const WorldMeasures& measures) {
+  if (!measures.heights.empty()) return ScaleByHeights(scenes, measures.heights);
+  if (measures.distances.empty()) return std::nullopt;
+  if (Moves(scenes)) {
+    ThrowInvalidArgument("`camera_distance`: expected cameras that stand still, but those of {} move; give a height",
+                         scenes.front().name);
+  }
+  return ScaleByDistances(SolvedCameras(scenes), measures);
 }
 
 }  // namespace
-
-KnownHeight KnownHeight::Parse(const std::string& text) {
-  KnownHeight height;
-  const double metres = ParseMetres(text, height.person);
-  if (!std::isfinite(metres) || (text.find('=') != std::string::npos && height.person.empty())) {
-    ThrowInvalidArgument("`height`: expected metres, such as 1.75, or NAME=METRES, found \"{}\"", text);
-  }
-  RequireHeight(metres);
-  height.height_mm = 1000.0 * metres;
-  return height;
-}
-
-KnownDistance KnownDistance::Parse(const std::string& text) {
-  KnownDistance distance;
-  std::string names;
-  const double metres = ParseMetres(text, names);
-  const std::size_t comma = names.find(',');
-  if (comma != std::string::npos) {
-    distance.camera = names.substr(0, comma);
-    distance.other = names.substr(comma + 1);
-  }
-  if (!(metres > 0.0) || std::isinf(metres) || distance.camera.empty() || distance.other.empty() ||
-      distance.camera == distance.other) {
-    ThrowInvalidArgument("`camera_distance`: expected A,B=METRES of two cameras, such as cam1,cam2=4.2, found \"{}\"",
-                         text);
-  }
-  distance.distance_mm = 1000.0 * metres;
-  return distance;
-}
 
 Camera WorldPlacement::Apply(int frame, const Camera& camera) const {
   Camera placed = camera;
@@ -620,11 +433,12 @@ WorldPlacement FindWorld(std::span<const Scene> scenes, const WorldMeasures& mea
   const auto with_people = std::ranges::find_if(scenes, [](const Scene& scene) { return !scene.people.empty(); });
   if (with_people != scenes.end()) world.unit = with_people->people.front().unit;
   world.known.scale = scenes.front().scale;
-  if (world.unit != LengthUnit::kMillimetres && !measures.heights.empty()) {
-    ScaleByHeights(scenes, measures.heights, world);
-  }
-  if (world.unit != LengthUnit::kMillimetres && !measures.distances.empty()) {
-    ScaleByDistances(scenes, measures, world);
+  if (world.unit != LengthUnit::kMillimetres) {
+    if (const std::optional<MeasuredScale> scale = FindScale(scenes, measures)) {
+      world.scale = scale->mm_per_unit;
+      world.unit = LengthUnit::kMillimetres;
+      world.known.scale = scale->known;
+    }
   }
   if (world.scale != 1.0 && SolvedCameras(scenes).size() < 3) {
     // Of two cameras the focal lengths are uncertain, and with them the proportions of what they see.

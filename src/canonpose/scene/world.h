@@ -21,33 +21,9 @@
 #include <Eigen/Core>
 
 #include "canonpose/scene/scene.h"
+#include "canonpose/scene/world_measures.h"
 
 namespace canonpose {
-
-struct KnownHeight {
-  std::string person;  ///< empty: of everybody
-  double height_mm = 0.0;
-
-  /// Parses "1.75" or "Ann=1.75", metres. Throws Error(kInvalidArgument), naming `height`.
-  static KnownHeight Parse(const std::string& text);
-};
-
-struct KnownDistance {
-  std::string camera;
-  std::string other;
-  double distance_mm = 0.0;
-
-  /// Parses "cam1,cam2=4.2", metres. Throws Error(kInvalidArgument), naming `camera_distance`.
-  static KnownDistance Parse(const std::string& text);
-};
-
-/// What is known of sizes: heights or distances, not both.
-struct WorldMeasures {
-  std::vector<KnownHeight> heights;
-  std::vector<KnownDistance> distances;  ///< of static cameras
-  /// Where the distances come from, "the calibration"; empty: they were given.
-  std::string distances_source{};
-};
 
 /// x_in_world = scale * rotation * x_in_scene + translation.
 struct WorldPlacement {

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/names.h"
 #include "canonpose/train/option_table.h"
 
 namespace canonpose {
@@ -239,12 +240,6 @@ std::string PresetNames() {
 }
 
 namespace {
-
-/// "plus, martinez and best"
-std::string JoinWithAnd(const std::vector<std::string>& names) {
-  if (names.size() < 2) return names.empty() ? "" : names.front();
-  return fmt::format("{} and {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
-}
 
 /// "; 256 for plus and best", or nothing where all presets have the default.
 std::string OtherDefaults(const std::string& field) {

@@ -78,7 +78,7 @@ std::array<double, 5> CheckedDistortion(std::span<const double> numbers, const C
   const bool is_simple =
       std::all_of(numbers.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(5, numbers.size())),
                   numbers.end(), [](double k) { return k == 0.0; });
-  if ((numbers.size() != 0 && numbers.size() < 4) || !is_simple) {
+  if ((!numbers.empty() && numbers.size() < 4) || !is_simple) {
     place.Fail("4 or 5 values (k1, k2, p1, p2, k3)", fmt::format("{} values", numbers.size()),
                "calibrate with OpenCV's standard model of the lens");
   }

@@ -131,10 +131,29 @@ void PrintArrays(const Facts& facts) {
 
 void PrintPoses(const Facts& facts) {
   const auto joints = facts.at("joints").get<Texts>();
-  fmt::print("kind         3D poses, written by lift\n");
+  fmt::print("kind         3D poses, written by {}\n", TextIn(facts, "written_by"));
   fmt::print("poses        {} frames of {} joints in {}\n", CountIn(facts, "frames"), joints.size(),
              TextIn(facts, "units"));
   fmt::print("joints       {}\n", fmt::join(joints, ", "));
+}
+
+void PrintScene(const Facts& facts) {
+  fmt::print("kind         scene: people and cameras in one world\n");
+  fmt::print("scene        {}{} frames{}{}\n", IsKnown(facts, "name") ? TextIn(facts, "name") + ", " : "",
+             CountIn(facts, "frames"), IsKnown(facts, "fps") ? fmt::format(" at {:g}/s", NumberIn(facts, "fps")) : "",
+             IsKnown(facts, "unit") ? ", in " + TextIn(facts, "unit") : "");
+  for (const char* what : {"up", "floor", "scale"}) {
+    if (IsKnown(facts, what)) fmt::print("{:<12} from {}\n", what, TextIn(facts, what));
+  }
+  for (const Facts& person : facts.at("people")) {
+    fmt::print("person       {}{} joints: {}\n", IsKnown(person, "name") ? TextIn(person, "name") + ", " : "",
+               person.at("joints").size(), fmt::join(person.at("joints").get<Texts>(), ", "));
+  }
+  for (const Facts& camera : facts.at("cameras")) {
+    const Facts& size = camera.at("image_size");
+    fmt::print("camera       {}: {}x{} px{}{}\n", TextIn(camera, "name"), size.at(0).get<int>(), size.at(1).get<int>(),
+               IsIn(camera, "calibrated") ? ", calibrated" : "", IsIn(camera, "used") ? "" : ", not used");
+  }
 }
 
 /// What the commands print and write beside their results.
@@ -170,6 +189,8 @@ void RunInfo(const InfoArguments& arguments) {
   const std::string kind = TextIn(facts, "kind");
   if (kind == "dataset") {
     PrintDataset(facts);
+  } else if (kind == "scene") {
+    PrintScene(facts);
   } else if (kind == "npz") {
     PrintArrays(facts);
   } else if (kind == "poses") {
@@ -188,7 +209,8 @@ void AddInfoCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("info", "Show what a file of canonpose is, what it holds and where it came from");
   command
-      ->add_option("file", arguments->path, "A dataset, model, run folder or checkpoint, or a .npz, .csv or .json file")
+      ->add_option("file", arguments->path,
+                   "A dataset, scene, model, run folder or checkpoint, or a .npz, .csv or .json file")
       ->required();
   command->add_flag("--json", arguments->json, "As JSON, for programs");
   command->callback([arguments] { RunInfo(*arguments); });

@@ -10,6 +10,7 @@
 #include "canonpose/cli/program_testing.h"
 #include "canonpose/data/codecs/npz.h"
 #include "canonpose/data/dataset.h"
+#include "canonpose/export/scene_testing.h"
 
 namespace canonpose {
 namespace {
@@ -34,6 +35,26 @@ json InfoOf(const fs::path& path) {
 }
 
 std::string TextOf(const fs::path& path) { return Execute({"info", path}).output; }
+
+TEST(InfoProgram, DescribesAScene) {
+  const TemporaryFolder folder;
+  const Scene scene = testing::StaticScene();
+  WriteScene(folder / "scene.h5", scene);
+  ASSERT_EQ(Execute({"export", folder / "scene.h5", "-o", folder / "scene.json"}).exit_code, 0);
+  ASSERT_EQ(Execute({"export", folder / "scene.h5", "-o", folder / "scene.csv"}).exit_code, 0);
+  for (const char* const name : {"scene.h5", "scene.json"}) {
+    const json info = InfoOf(folder / name);
+    EXPECT_EQ(info["kind"], "scene") << name;
+    EXPECT_EQ(info["frames"], scene.people[0].frame_count()) << name;
+    ASSERT_EQ(info["people"].size(), scene.people.size()) << name;
+    EXPECT_EQ(info["people"][0]["joints"], scene.people[0].skeleton().joints) << name;
+    ASSERT_EQ(info["cameras"].size(), scene.cameras.size()) << name;
+    EXPECT_EQ(info["cameras"][0]["image_size"], scene.cameras[0].image_size_px) << name;
+    EXPECT_THAT(TextOf(folder / name), AllOf(HasSubstr("scene: people and cameras"), HasSubstr(scene.cameras[1].name)))
+        << name;
+  }
+  EXPECT_EQ(InfoOf(folder / "scene.csv")["written_by"], "export");
+}
 
 TEST(InfoProgram, DescribesADataset) {
   const TemporaryFolder folder;

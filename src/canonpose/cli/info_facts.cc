@@ -11,6 +11,7 @@
 #include "canonpose/data/codecs/npz.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/model/model_file.h"
+#include "canonpose/scene/scene.h"
 
 namespace canonpose {
 namespace {
@@ -134,6 +135,51 @@ void AddModel(const ModelInfo& info, const fs::path& path, Facts& facts) {
   }
 }
 
+void AddScene(const Scene& scene, Facts& facts) {
+  facts["name"] = UnlessNone(scene.name);
+  facts["unit"] = scene.people.empty() ? Facts() : Facts(ToString(scene.people.front().unit));
+  for (const auto& [what, known] : {std::pair("up", &scene.up), {"floor", &scene.floor}, {"scale", &scene.scale}}) {
+    facts[what] = UnlessNone(known->source);
+  }
+  facts["frames"] = scene.people.empty() ? 0 : scene.people.front().frame_count();
+  facts["fps"] = scene.people.empty() ? Facts() : UnlessNone(scene.people.front().fps);
+  facts["people"] = Facts::array();
+  for (const PoseSequence& person : scene.people) {
+    facts["people"].push_back({{"name", UnlessNone(person.name)}, {"joints", person.skeleton().joints}});
+  }
+  facts["cameras"] = Facts::array();
+  for (const SceneCamera& camera : scene.cameras) {
+    facts["cameras"].push_back({{"name", camera.name},
+                                {"image_size", camera.image_size_px},
+                                {"used", camera.used},
+                                {"calibrated", !camera.calibration.empty()}});
+  }
+}
+
+/// Of what `export` writes as .json (export/scene_json.h).
+void AddSceneJson(const Facts& json, Facts& facts) {
+  const auto value = [](const Facts& object, const char* key) { return object.contains(key) ? object[key] : Facts(); };
+  facts["kind"] = "scene";
+  facts["name"] = value(json, "name");
+  facts["unit"] = value(json, "unit");
+  facts["up"] = value(json, "up_from");
+  facts["floor"] = nullptr;
+  facts["scale"] = value(json, "unit_from");
+  facts["frames"] = value(json, "time").size();
+  facts["fps"] = value(json, "fps");
+  facts["people"] = Facts::array();
+  for (const Facts& person : value(json, "people")) {
+    facts["people"].push_back({{"name", value(person, "name")}, {"joints", value(person, "joints")}});
+  }
+  facts["cameras"] = Facts::array();
+  for (const Facts& camera : value(json, "cameras")) {
+    facts["cameras"].push_back({{"name", value(camera, "name")},
+                                {"image_size", value(camera, "image_size")},
+                                {"used", value(camera, "used")},
+                                {"calibrated", !value(camera, "K").is_null()}});
+  }
+}
+
 void AddArrays(const fs::path& path, Facts& facts) {
   const NpzReader file(path);
   facts["arrays"] = Facts::array();
@@ -192,6 +238,7 @@ void AddTable(const fs::path& path, Facts& facts) {
   }
   if (header.front() != "frame" || joints.empty()) ThrowNotOurs(path, "another table");
   facts["kind"] = "poses";
+  facts["written_by"] = std::ranges::count(header, "up") == 1 ? "export" : "lift";
   facts["frames"] = lines - 1;
   facts["units"] = units;
   facts["joints"] = joints;
@@ -202,8 +249,11 @@ void AddJson(const fs::path& path, Facts& facts) {
   const Facts json = Facts::parse(ReadFile(path), nullptr, /*allow_exceptions=*/false);
   if (json.is_discarded()) ThrowNotOurs(path, "text that is not JSON");
   const auto has = [&](const char* key) { return json.is_object() && json.contains(key); };
-  if (has("pose3d") && has("joints") && has("units")) {
+  if (has("format") && json["format"] == "canonpose-scene-json" && has("people") && json["people"].is_array()) {
+    AddSceneJson(json, facts);
+  } else if (has("pose3d") && has("joints") && has("units")) {
     facts["kind"] = "poses";
+    facts["written_by"] = "lift";
     facts["frames"] = json["pose3d"].size();
     facts["units"] = json["units"];
     facts["joints"] = json["joints"];
@@ -244,6 +294,9 @@ Facts FactsOf(const fs::path& path) {
     AddTable(path, facts);
   } else if (path.extension() == ".json") {
     AddJson(path, facts);
+  } else if (IsSceneFile(path)) {
+    facts["kind"] = "scene";
+    AddScene(ReadScene(path), facts);
   } else {
     facts["kind"] = "dataset";
     AddDataset(ReadDataset(path), facts);

@@ -7,8 +7,10 @@
 //   model and     program_version, preset, network, width, seed, steps, mirror {decision, slope, slope_error}, trap
 //   checkpoint    {verdict, depth_ratio, angle_deg, scatter_deg}, morph {width}, perspective, data [{file,
 //                 fingerprint}], skeleton, source, options {...}
+//   scene         .h5, or .json of export: name, unit, up, floor, scale (what they are known from), frames, fps, people
+//                 [{name, joints}], cameras [{name, image_size, used, calibrated}]
 //   npz           arrays [{name, shape, text}]
-//   poses         of lift, .csv or .json: frames, units, joints
+//   poses         of lift or export, .csv, or of lift, .json: written_by, frames, units, joints
 //   errors        of single poses, .csv: poses, columns
 //   evaluation    .json: protocol, frames, n_mpjpe_mm, p_mpjpe_mm
 //   solve report  .json: captures; protocols: protocols; calibration: cameras [name]

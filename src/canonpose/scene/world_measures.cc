@@ -110,8 +110,9 @@ std::optional<MeasuredScale> ScaleByHeights(std::span<const Scene> scenes, const
     names.push_back(people.size() == 1 ? InMetres(person.height_mm)
                                        : fmt::format("{} ({})", InMetres(person.height_mm), person.name));
   }
-  return MeasuredScale{sum / weights, {fmt::format("the height given, {}, and {}", JoinWithAnd(names), people.front().stature.bones),
-                       std::sqrt(1.0 / weights)}};
+  return MeasuredScale{sum / weights,
+                       {fmt::format("the height given, {}, and {}", JoinWithAnd(names), people.front().stature.bones),
+                        std::sqrt(1.0 / weights)}};
 }
 
 MeasuredScale ScaleByDistances(const std::vector<const SceneCamera*>& cameras, const WorldMeasures& measures) {
@@ -137,10 +138,10 @@ MeasuredScale ScaleByDistances(const std::vector<const SceneCamera*>& cameras, c
   const double percent = count > 1 ? 100.0 * std::sqrt(variance / (count - 1) / count) : kUsualPercent;
   const KnownDistance& first = measures.distances.front();
   scale.known = {!measures.distances_source.empty() ? measures.distances_source
-                       : count > 1 ? fmt::format("{} distances given between cameras", scales.size())
-                                   : fmt::format("the distance given between {} and {}, {}", first.camera, first.other,
-                                                 InMetres(first.distance_mm)),
-                       std::max(percent, 0.1)};
+                 : count > 1                        ? fmt::format("{} distances given between cameras", scales.size())
+                             : fmt::format("the distance given between {} and {}, {}", first.camera, first.other,
+                                           InMetres(first.distance_mm)),
+                 std::max(percent, 0.1)};
   return scale;
 }
 

@@ -143,7 +143,7 @@ Solution CalibrateStatic(const CaptureObservations& capture, const CalibrationOp
     if (mirrored) std::ranges::transform(camera_from_world, camera_from_world.begin(), MirrorRotation);
     Solution solution;
     solution.mirrored = mirrored;
-    solution.estimate = InitialiseStatic(capture, frames, camera_from_world, mirrored);
+    solution.estimate = InitialiseStatic(capture, frames, camera_from_world, mirrored, options.first_focal);
     solution.calibration_summary =
         AdjustTwice(capture, frames, ReferenceView(camera_from_world), options.max_iterations, solution);
     return Stages{std::move(solution)};

@@ -17,6 +17,7 @@ struct CalibrationOptions {
   int frames = 400;             ///< of a static capture
   int threads = 1;
   int max_iterations = 100;  ///< of the bundle adjustment of a static capture
+  double first_focal = 1.0;  ///< of all cameras of a static capture, to begin with, in image diagonals
 };
 
 /// Finds the cameras of a static capture and the bone lengths of its subjects from evenly spread frames, and sets the

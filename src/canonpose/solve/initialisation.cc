@@ -78,10 +78,10 @@ void RefineShape(const CaptureObservations& capture, int frame, std::span<const 
   shape.joints.rowwise() -= shape.joints.row(capture.skeleton.root).eval();
 }
 
-/// The root in the camera's frame, assuming a focal length of one image diagonal.
-Eigen::Vector3d RootInCamera(const CaptureObservations& capture, int frame, int view, double scale) {
+/// The root in the camera's frame.
+Eigen::Vector3d RootInCamera(const CaptureObservations& capture, int frame, int view, double focal, double scale) {
   const Eigen::Vector2d root = capture.At(frame, view, capture.skeleton.root);
-  return {root.x() / scale, root.y() / scale, 1.0 / scale};
+  return {root.x() / scale, root.y() / scale, focal / scale};
 }
 
 Eigen::Vector3d MedianPoint(const std::vector<Eigen::Vector3d>& points) {
@@ -107,7 +107,8 @@ std::vector<Eigen::Vector3d> ChainTranslations(const CaptureObservations& captur
       int count = 0;
       for (std::size_t v = 0; v < views; ++v) {
         if (!estimate.cameras[v].valid || shapes[i].scales[v] <= 0.0) continue;
-        const Eigen::Vector3d in_camera = RootInCamera(capture, frames[i], static_cast<int>(v), shapes[i].scales[v]);
+        const Eigen::Vector3d in_camera =
+            RootInCamera(capture, frames[i], static_cast<int>(v), estimate.cameras[v].Focal(), shapes[i].scales[v]);
         sum +=
             camera_from_world[v].transpose() * (in_camera - Eigen::Vector3d::Map(estimate.cameras[v].placement.data()));
         ++count;
@@ -124,7 +125,8 @@ std::vector<Eigen::Vector3d> ChainTranslations(const CaptureObservations& captur
       std::vector<Eigen::Vector3d> translations;
       for (std::size_t i = 0; i < frames.size(); ++i) {
         if (!(shapes[i].scales[v] > 0.0)) continue;
-        const Eigen::Vector3d in_camera = RootInCamera(capture, frames[i], static_cast<int>(v), shapes[i].scales[v]);
+        const Eigen::Vector3d in_camera =
+            RootInCamera(capture, frames[i], static_cast<int>(v), estimate.cameras[v].Focal(), shapes[i].scales[v]);
         if (known == 0) {
           translations.emplace_back(Eigen::Vector3d::Zero());  // the first camera is the world
         } else if (root[i].allFinite()) {
@@ -259,7 +261,7 @@ FrameShape ShapeFromViews(const CaptureObservations& capture, int frame,
 }
 
 RigEstimate InitialiseStatic(const CaptureObservations& capture, std::span<const int> frames,
-                             std::span<const Eigen::Matrix3d> camera_from_world, bool mirrored) {
+                             std::span<const Eigen::Matrix3d> camera_from_world, bool mirrored, double focal) {
   RigEstimate estimate = RigEstimate::Unknown(true, capture.frame_count, capture.view_count(), capture.joint_count(),
                                               static_cast<int>(capture.subjects.size()));
   std::vector<FrameShape> shapes;
@@ -270,6 +272,7 @@ RigEstimate InitialiseStatic(const CaptureObservations& capture, std::span<const
   }
   for (std::size_t v = 0; v < estimate.cameras.size(); ++v) {
     if (camera_from_world[v].allFinite()) estimate.cameras[v].SetRotation(camera_from_world[v]);
+    estimate.cameras[v].log_focal = std::log(focal);
   }
   const std::vector<Eigen::Vector3d> roots = ChainTranslations(capture, frames, camera_from_world, shapes, estimate);
   for (std::size_t i = 0; i < frames.size(); ++i) {

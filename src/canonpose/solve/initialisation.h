@@ -31,12 +31,12 @@ struct FrameShape {
 FrameShape ShapeFromViews(const CaptureObservations& capture, int frame,
                           std::span<const Eigen::Matrix3d> camera_from_world, bool mirrored);
 
-/// A first estimate for static cameras from their rotations (V); joints are set at `frames` only. Focal lengths are one
-/// image diagonal. The root's distance from a camera follows from the image scale, and the cameras' translations from
-/// the root's trajectories in their frames. Cameras without a rotation, or without a frame in common with the others,
-/// are invalid.
+/// A first estimate for static cameras from their rotations (V); joints are set at `frames` only. All cameras have the
+/// given focal length, in image diagonals. The root's distance from a camera follows from the image scale, and the
+/// cameras' translations from the root's trajectories in their frames. Cameras without a rotation, or without a frame
+/// in common with the others, are invalid.
 RigEstimate InitialiseStatic(const CaptureObservations& capture, std::span<const int> frames,
-                             std::span<const Eigen::Matrix3d> camera_from_world, bool mirrored);
+                             std::span<const Eigen::Matrix3d> camera_from_world, bool mirrored, double focal = 1.0);
 
 /// The same for moving cameras, from the rotations (F, V) of all frames of the capture.
 RigEstimate InitialiseMoving(const CaptureObservations& capture, std::span<const int> frames,

@@ -39,6 +39,11 @@ constexpr int kQuickIterations = 25;
 /// cameras invents is 3 %.
 constexpr double kInventedThatMatter = 0.005;
 
+/// The focal length of a wide lens, in image diagonals: 95 degrees from corner to corner.
+constexpr double kWideLens = 0.45;
+/// A start from wide lenses has won where the error is below this multiple.
+constexpr double kGainOfWideLens = 0.9;
+
 /// A capture between the stages.
 struct CaptureWork {
   CaptureReport report;
@@ -57,6 +62,21 @@ bool SeemsToMove(const CaptureObservations& capture, double error, const Calibra
   const Solution moving = CalibrateMoving(clip, options);
   return moving.calibration_summary.IsUsable() && MedianError(clip, moving) < kClearlyBetter * error &&
          Implausible(MeasurePlausibility(clip, moving)).empty();
+}
+
+/// Finds static cameras. Those of wide lenses near the person may not be found from the focal length of a normal lens:
+/// where cameras do not fit, the search begins from a wide one, too, and stays with it if it fits better.
+Solution ChooseLens(const CaptureObservations& capture, CalibrationOptions& options) {
+  Solution normal = CalibrateStatic(capture, options);
+  if (normal.calibration_summary.IsUsable() && !AnyAlarm(MeasureSigns(capture, normal))) return normal;
+  CalibrationOptions wide = options;
+  wide.first_focal = kWideLens;
+  Solution other = CalibrateStatic(capture, wide);
+  const bool is_better = other.calibration_summary.IsUsable() &&
+                         (!normal.calibration_summary.IsUsable() ||
+                          CappedError(capture, other) < kGainOfWideLens * CappedError(capture, normal));
+  if (is_better) options = wide;
+  return is_better ? other : normal;
 }
 
 bool HasFailed(const CaptureWork& work) { return !work.report.failure.empty(); }
@@ -92,18 +112,18 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options,
   const auto calibrate_with = [](const CaptureObservations& some, const CalibrationOptions& how) {
     return some.static_cameras ? CalibrateStatic(some, how) : CalibrateMoving(some, how);
   };
-  const CalibrationOptions calibration{options.mirror, options.calibration_frames, ThreadsToUse(options.threads)};
+  CalibrationOptions calibration{options.mirror, options.calibration_frames, ThreadsToUse(options.threads)};
   const Calibrate calibrate = [&](const CaptureObservations& some) { return calibrate_with(some, calibration); };
-  CalibrationOptions quick = calibration;
-  quick.frames = kQuickFrames;
-  quick.max_iterations = kQuickIterations;
   int trials = 0;
   const Calibrate calibrate_quickly = [&](const CaptureObservations& some) {
     tell(fmt::format("cameras do not fit, trial {}", ++trials));
     ThrowIfStopRequested();
+    CalibrationOptions quick = calibration;
+    quick.frames = kQuickFrames;
+    quick.max_iterations = kQuickIterations;
     return calibrate_with(some, quick);
   };
-  work.solution = calibrate(capture);
+  work.solution = capture.static_cameras ? ChooseLens(capture, calibration) : calibrate(capture);
   const AdjustmentSummary& summary = work.solution.calibration_summary;
   if (summary.IsUsable()) CorrectImageSizes(capture, calibrate, calibrate_quickly, work.solution);
   if (summary.IsUsable()) CheckViews(capture, calibration, calibrate, calibrate_quickly, work);

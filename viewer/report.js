@@ -69,12 +69,14 @@ export class Report {
     } else {
       box.append(element('p', `${model.people.length === 1 ? 'One person' : `${model.people.length} people`} in ${model.frames} frames.`, 'big'));
     }
+    if (!capture) box.append(element('p', 'How far the result can be trusted stands in the report of solve, which is not in this page (view --report).'));
     if (off.length > 0) {
       box.append(element('p', `${off.map(c => c.name).join(' and ')} ${off.length > 1 ? 'do' : 'does'} not fit the others: see the magenta lines in its view.`, 'warn'));
     } else if (cameras.length > 1 && unused.length === 0) {
       box.append(element('p', 'No camera stands out from the others.'));
     }
     if (capture && capture.failure) box.append(element('p', `Not solved: ${capture.failure}.`, 'warn'));
+    box.classList.toggle('unknown', !capture);
     box.classList.toggle('doubtful', off.length > 0 || unused.length > 0 || (capture ? !/^Nothing speaks/.test(capture.trust || '') : false));
     this.parent.append(box);
   }

@@ -51,7 +51,15 @@ struct ExportJob {
 };
 
 std::optional<CalibrationFormat> ChosenCalibration(const ExportArguments& arguments) {
-  if (arguments.cameras.empty()) return CalibrationFormatOf(arguments.output);
+  if (arguments.cameras.empty()) {
+    if (arguments.output.extension().empty()) {
+      ThrowInvalidArgument(
+          "{}: expected a name with an extension, which says the format: {}, or .toml or .yml for "
+          "cameras; for COLMAP's folder give --cameras colmap",
+          arguments.output.string(), SceneFormatNames());
+    }
+    return CalibrationFormatOf(arguments.output);
+  }
   const std::optional<CalibrationFormat> format = FindCalibrationFormat(arguments.cameras);
   if (format) RequireCalibrationName(arguments.output, *format);
   return format;
@@ -111,7 +119,8 @@ std::vector<Scene> ChosenScenes(const ExportArguments& arguments) {
   if (!scenes.empty()) return scenes;
   ThrowBadInput({arguments.input.string(), "",
                  arguments.sequence.empty() ? "a sequence" : "a sequence " + arguments.sequence,
-                 names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), "choose one with --sequence"});
+                 names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")),
+                 names.empty() ? "solve a recording first" : "give --sequence " + names.front()});
 }
 
 /// The people to export, as their numbers from 0 on.
@@ -132,7 +141,8 @@ std::vector<std::size_t> ChosenPeople(const ExportArguments& arguments, const Sc
   if (!people.empty()) return people;
   ThrowBadInput({arguments.input.string(), scene.name,
                  arguments.person == "all" ? "a person" : "a person " + arguments.person,
-                 fmt::format("{} people", scene.people.size()), "choose another with --person"});
+                 scene.people.size() == 1 ? "one person" : fmt::format("{} people", scene.people.size()),
+                 "choose another with --person"});
 }
 
 /// A part of the name of a file.
@@ -266,9 +276,6 @@ void ExportCameras(const ExportArguments& arguments, CalibrationFormat format) {
 }
 
 void RunExport(const ExportArguments& arguments) {
-  if (!std::isfinite(arguments.fps) || arguments.fps < 0.0) {
-    ThrowInvalidArgument("--fps must be above 0, not {}", arguments.fps);
-  }
   if (const std::optional<CalibrationFormat> calibration = ChosenCalibration(arguments)) {
     return ExportCameras(arguments, *calibration);
   }
@@ -289,8 +296,9 @@ void AddExportCommand(CLI::App& app) {
   for (const SceneFormat& format : SceneFormats())
     formats += fmt::format("{} ({}), ", format.extension, format.contents);
   command
-      ->add_option("-o,--output", arguments->output,
-                   "Where to write: " + formats + "or cameras: .toml (Pose2Sim), .yml (OpenCV), a folder (COLMAP)")
+      ->add_option(
+          "-o,--output", arguments->output,
+          "Where to write: " + formats + "or cameras: .toml (Pose2Sim), .yml (OpenCV), and others by --cameras")
       ->required()
       ->type_name("FILE");
   command
@@ -323,8 +331,14 @@ void AddExportCommand(CLI::App& app) {
       ->add_option("--fill-gaps", arguments->filter.longest_gap_seconds,
                    "Fill gaps up to this long before (default: none)")
       ->type_name("SECONDS");
-  command->add_option("--fps", arguments->fps, "Frames per second, if the input does not know them")->type_name("FPS");
-  command->callback([arguments] { RunExport(*arguments); });
+  CLI::Option* fps = command->add_option("--fps", arguments->fps, "Frames per second, if the input does not know them")
+                         ->type_name("FPS");
+  command->callback([arguments, fps] {
+    if (fps->count() > 0 && !(std::isfinite(arguments->fps) && arguments->fps > 0.0)) {
+      ThrowInvalidArgument("--fps: expected frames per second, above 0, found {}", arguments->fps);
+    }
+    RunExport(*arguments);
+  });
 }
 
 }  // namespace canonpose

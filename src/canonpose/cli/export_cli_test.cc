@@ -36,12 +36,14 @@ void ExpectRefusal(const std::vector<std::string>& arguments, const ::testing::M
 TEST(ExportProgram, WritesEveryFormatOfAScene) {
   const TemporaryFolder folder;
   WriteScene(folder / "scene.h5", testing::StaticScene());
-  for (const char* const name : {"a.trc", "a.c3d", "a.csv", "a.npz", "a.json", "Calib.toml", "a.yml", "colmap"}) {
+  for (const char* const name : {"a.trc", "a.c3d", "a.csv", "a.npz", "a.json", "Calib.toml", "a.yml"}) {
     const Outcome outcome = Execute({"export", folder / "scene.h5", "-o", folder / name});
     EXPECT_EQ(outcome.exit_code, 0) << name << outcome.errors;
     EXPECT_TRUE(fs::exists(folder / name)) << name;
     EXPECT_THAT(outcome.errors, AllOf(HasSubstr(name), HasSubstr("(from the cameras)"), Not(HasSubstr("warning"))));
   }
+  ASSERT_EQ(Execute({"export", folder / "scene.h5", "-o", folder / "colmap", "--cameras", "colmap"}).exit_code, 0);
+  EXPECT_TRUE(fs::exists(folder / "colmap/cameras.txt"));
   EXPECT_THAT(ReadFile(folder / "a.trc"), HasSubstr("\tm\t50\t"));
   ASSERT_EQ(Execute({"export", folder / "scene.h5", "-o", folder / "a.trc", "--unit", "mm"}).exit_code, 0);
   EXPECT_THAT(ReadFile(folder / "a.trc"), HasSubstr("\tmm\t50\t"));
@@ -175,6 +177,10 @@ TEST(ExportProgram, SolvedDatasets) {
 
 TEST(ExportProgram, MistakesAreNamed) {
   const TemporaryFolder folder;
+  WriteScene(folder / "any.h5", testing::StaticScene());
+  ExpectRefusal({"export", folder / "any.h5", "-o", folder / "poses"},
+                AllOf(HasSubstr("extension"), HasSubstr("colmap")));
+  ExpectRefusal({"export", folder / "any.h5", "-o", folder / "a.csv", "--fps", "0"}, HasSubstr("above 0"));
   WriteScene(folder / "scene.h5", testing::StaticScene());
   const std::string scene = folder / "scene.h5";
   ExpectRefusal({"export", scene, "-o", folder / "a.xyz"}, AllOf(HasSubstr("a.xyz"), HasSubstr(".trc, .c3d")));
@@ -186,7 +192,7 @@ TEST(ExportProgram, MistakesAreNamed) {
   ExpectBadInput({"export", folder / "text.h5", "-o", folder / "a.trc"}, HasSubstr("text.h5"));
   fs::create_directory(folder / "full");
   WriteFileAtomically(folder / "full" / "file", "x");
-  ExpectBadInput({"export", scene, "-o", folder / "full"}, HasSubstr("full"));
+  ExpectBadInput({"export", scene, "-o", folder / "full", "--cameras", "colmap"}, HasSubstr("full"));
 }
 
 /// `import --calibration` reads what `export` wrote.

@@ -125,6 +125,10 @@ void LogSummary(const Dataset& dataset, const std::string& output) {
           cameras);
   LogInfo("layout {}, {} joints; derived: {}", dataset.source.layout, dataset.skeleton.joint_count(),
           derived.empty() ? "none" : derived);
+  const Skeleton* layout = FindSkeleton(dataset.source.layout);
+  if (layout != nullptr && layout->Find("LBigToe") && !dataset.skeleton.Find("LBigToe")) {
+    LogInfo("heels and toes are left out; --skeleton native keeps them, which angles of the ankle need");
+  }
   LogInfo("sequence {}, subject {}, capture {}, {} cameras", sequence.name, sequence.subject, sequence.capture,
           sequence.static_cameras ? "static" : "moving");
 }

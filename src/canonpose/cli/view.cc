@@ -1,8 +1,10 @@
 // canonpose view INPUT... -o page.html
 // canonpose view INPUT... --svg FRAME[,FRAME...] -o strip.svg
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,7 @@
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
+#include "canonpose/base/names.h"
 #include "canonpose/cli/commands.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/pipeline/evaluate_datasets.h"
@@ -61,7 +64,29 @@ std::string Evaluate(const fs::path& path) {
   }
 }
 
+void RequireOutputName(const fs::path& output, bool is_image) {
+  const std::string extension = LowerCase(output.extension().string());
+  if (is_image ? extension == ".svg" : extension == ".html" || extension == ".htm") return;
+  ThrowInvalidArgument("{}: expected a name that ends in {}", output.string(),
+                       is_image ? ".svg, since --svg is given" : ".html, or --svg FRAMES for an image (.svg)");
+}
+
+/// Throws where a report is of other captures than a solved dataset.
+void RequireReportOf(const fs::path& input, const fs::path& report_path, const std::string& report) {
+  if (!IsDatasetFile(input)) return;
+  std::set<std::string> captures;
+  for (const Sequence& sequence : ReadDataset(input).sequences) captures.insert(sequence.capture);
+  std::vector<std::string> reported;
+  const nlohmann::json parsed = nlohmann::json::parse(report);
+  for (const nlohmann::json& capture : parsed["captures"]) reported.push_back(capture.value("name", ""));
+  if (std::ranges::any_of(reported, [&](const std::string& name) { return captures.contains(name); })) return;
+  ThrowBadInput(
+      {report_path.string(), "", fmt::format("the report of {} ({})", input.string(), fmt::join(captures, ", ")),
+       fmt::format("that of {}", fmt::join(reported, ", ")), "give the one that `canonpose solve` wrote with it"});
+}
+
 void RunView(const ViewArguments& arguments) {
+  RequireOutputName(arguments.output, !arguments.strip.frames.empty());
   std::vector<fs::path> read = arguments.inputs;
   read.insert(read.end(), arguments.reports.begin(), arguments.reports.end());
   RequireOutputIsNotAnInput(arguments.output, read);
@@ -72,10 +97,14 @@ void RunView(const ViewArguments& arguments) {
   std::vector<ShownResult> results;
   for (std::size_t i = 0; i < arguments.inputs.size(); ++i) {
     results.push_back(ReadShownResult(arguments.inputs[i]));
-    if (i < arguments.reports.size()) results.back().solve_report = ReadSolveReport(arguments.reports[i]);
+    if (i >= arguments.reports.size()) continue;
+    results.back().solve_report = ReadSolveReport(arguments.reports[i]);
+    RequireReportOf(arguments.inputs[i], arguments.reports[i], results.back().solve_report);
   }
   if (!arguments.strip.frames.empty()) {
     WriteFileAtomically(arguments.output, SkeletonStrip(results, arguments.strip));
+    std::cout << arguments.output.string() << ": a strip of " << arguments.strip.frames.size() << " frames\n"
+              << std::flush;
     return;
   }
   for (std::size_t i = 0; i < results.size(); ++i) results[i].evaluation = Evaluate(arguments.inputs[i]);

@@ -31,13 +31,14 @@ void ExportC3d(const std::filesystem::path& path, const Scene& scene, const Expo
   WriteFileAtomically(path, C3dBytes(scene, SpaceOf(scene, options), options.seen_by, options.processing));
 }
 
-/// The angles as they pose a model of OpenSim.
+/// The angles as they pose a model of OpenSim, which has no trunk's.
 std::vector<TimeSeries> OpenSimAngles(const PoseSequence& person, bool up_is_known) {
   std::vector<TimeSeries> angles = Analyse(person, up_is_known).angles;
   if (!up_is_known) {
     LogWarning("angles against the floor are left out, since which way is up is unknown");
     return angles;
   }
+  std::erase_if(angles, [](const TimeSeries& series) { return series.name.starts_with("trunk_"); });
   for (TimeSeries& pelvis : OpenSimPelvis(person)) {
     const auto same = std::ranges::find(angles, pelvis.name, &TimeSeries::name);
     (same == angles.end() ? angles.emplace_back() : *same) = std::move(pelvis);

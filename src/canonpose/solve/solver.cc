@@ -307,6 +307,11 @@ void SolveOptions::Validate() const {
 SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions& options) {
   options.Validate();
   RequireMeasuresOf(dataset, options.measures);
+  if (options.calibrated_scale && !dataset.HasCalibration()) {
+    ThrowInvalidArgument(
+        "`calibrated_scale`: expected data that were imported with a calibration, found none; give a "
+        "`height` or a `camera_distance` instead");
+  }
   const OneBlasThread one_thread;
   for (Sequence& sequence : dataset.sequences) {
     for (CameraView& view : sequence.cameras) {

@@ -41,6 +41,9 @@ constexpr double kLargeError = 0.03;
 constexpr std::size_t kMaxPairs = 15;
 
 constexpr const char* kWhyNotTheSame = "does not show the same person, or not at the same time";
+constexpr const char* kWhySides =
+    "fits only with left and right exchanged: its image is mirrored, or its joints are, and moving cameras do not show "
+    "which";
 
 /// Shifts views of a clip in time, always the one that gains most, until all fit. Returns whether any view was shifted.
 bool AlignClip(CaptureObservations& capture, const Solution& solution, int clip,
@@ -308,6 +311,11 @@ void Examination::Correct(const Consensus& consensus, int view) {
       // Another take of the same motion cannot be told from a recording that runs backwards; it is no evidence.
       found.fits = false;
       why = "runs backwards";
+    }
+    const bool has_other_sides = found.reading.is_mirrored || found.reading.sides_are_exchanged;
+    if (found.fits && has_other_sides && !capture_.static_cameras) {
+      found.fits = false;
+      why = kWhySides;
     }
     if (found.fits) {
       ++clips_that_fit;

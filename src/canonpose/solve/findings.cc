@@ -60,8 +60,11 @@ std::vector<CameraFinding> MakeFindings(const CaptureObservations& capture, cons
     }
     if (check.dropped[v]) {
       const std::string& why = check.why_dropped[v];
-      findings.push_back({camera, 0, why == "runs backwards" ? "backwards" : "does-not-fit", 0, capture.frame_count,
-                          false, fmt::format("{} {}: it is left out", camera, why)});
+      const char* kind = why == "runs backwards"                                      ? "backwards"
+                         : why.starts_with("fits only with left and right exchanged") ? "sides-exchanged"
+                                                                                      : "does-not-fit";
+      findings.push_back(
+          {camera, 0, kind, 0, capture.frame_count, false, fmt::format("{} {}: it is left out", camera, why)});
       continue;
     }
     for (std::size_t c = 0; c < capture.clips.size(); ++c) {

@@ -17,6 +17,10 @@ endif()
 if(CANONPOSE_SANITIZE)
   target_compile_options(canonpose_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
                                                      -fno-omit-frame-pointer)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # GCC itself says that its warning may be wrong under sanitizers; it is about std::regex.
+    target_compile_options(canonpose_options INTERFACE -Wno-maybe-uninitialized)
+  endif()
   target_link_options(canonpose_options INTERFACE -fsanitize=address,undefined)
   # Under AddressSanitizer, Eigen allocates otherwise than in Debian's libceres, and each frees what the other allocated.
   target_compile_definitions(canonpose_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)

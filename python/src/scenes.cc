@@ -105,19 +105,21 @@ void AddSceneTypes(py::module_& module) {
       .def_readonly("time_offset_seconds", &SceneCamera::time_offset_seconds);
   py::class_<Scene>(module, "Scene", "People and cameras in one world.")
       .def(py::init([](const std::vector<PoseSequence>& people, const std::vector<SceneCamera>& cameras,
-                       const std::string& name, const std::string& up, const std::string& scale) {
+                       const std::string& name, const std::string& up, const std::string& floor,
+                       const std::string& scale) {
              Scene scene;
              scene.name = name;
              scene.people = people;
              scene.cameras = cameras;
              scene.up.source = up;
+             scene.floor.source = floor;
              scene.scale.source = scale;
              RequireOneWorld(scene);
              return scene;
            }),
            py::arg("people"), py::arg("cameras") = std::vector<SceneCamera>(), py::arg("name") = "", py::arg("up") = "",
-           py::arg("scale") = "",
-           "`up` and `scale` say what they are known from; '': unknown. People and cameras are copied.")
+           py::arg("floor") = "", py::arg("scale") = "",
+           "`up`, `floor` and `scale` say what they are known from; '': unknown. People and cameras are copied.")
       .def_readonly("name", &Scene::name)
       .def_property_readonly("people", [](const py::object& s) { return Elements(s.cast<Scene&>().people, s); })
       .def_property_readonly("cameras", [](const py::object& s) { return Elements(s.cast<Scene&>().cameras, s); })

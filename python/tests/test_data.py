@@ -111,9 +111,10 @@ def test_a_dataset_of_h5py_is_read(tmp_path):
 def test_scenes(tmp_path):
     poses, positions = person()
     camera = canonpose.SceneCamera("a", [canonpose.Camera(np.eye(3), np.eye(3), [0, 0, 3])], (640, 480))
-    canonpose.Scene([poses], [camera], name="walk", up="the tripod", scale="a tape measure").write(tmp_path / "scene.h5")
+    canonpose.Scene([poses], [camera], name="walk", up="the tripod", floor="a level",
+                    scale="a tape measure").write(tmp_path / "scene.h5")
     scene, = canonpose.read_scenes(tmp_path / "scene.h5")
-    assert (scene.name, scene.up, scene.scale) == ("walk", "the tripod", "a tape measure")
+    assert (scene.name, scene.up, scene.floor, scene.scale) == ("walk", "the tripod", "a level", "a tape measure")
     np.testing.assert_array_equal(scene.people[0].positions, positions)
     assert scene.people[0].unit == "mm" and scene.cameras[0].used
     np.testing.assert_array_equal(scene.cameras[0].calibration[0].t, [0, 0, 3])

@@ -150,6 +150,7 @@ function median(values) {
 export class Model {
   constructor(data, json) {
     this.name = json.name;
+    this.capture = json.capture;
     this.frames = json.frames;
     this.fps = json.fps;
     this.times = json.times;

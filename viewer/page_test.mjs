@@ -159,6 +159,12 @@ const tests = {
     assert.notEqual(await page.evaluate(() => getComputedStyle(document.body).backgroundColor), before);
     await page.click('#tab-button-report');
     assert.match(await page.textContent('#tab-report'), /No camera stands out/);
+    // The report has the second sequence's capture and not the first one's.
+    const verdict = await page.textContent('.verdict');
+    assert.match(verdict, /Nothing speaks against this result/);
+    assert.doesNotMatch(verdict, /not in this page/);
+    await page.selectOption('#scene', '0');
+    assert.match(await page.textContent('.verdict'), /not in this page/);
     const picture = await page.locator('#stage').screenshot();
     assert.ok(picture.length > 15000, `a picture of ${picture.length} bytes is empty`);
     await close();

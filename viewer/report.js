@@ -51,8 +51,8 @@ export class Report {
 
   captureOf(result, model) {
     const captures = result.solve ? result.solve.captures : [];
-    return captures.find(c => model.name === c.name || model.name.startsWith(`${c.name}/`)) ||
-        (captures.length === 1 ? captures[0] : null);
+    if (!model.capture) return captures.length === 1 ? captures[0] : null;
+    return captures.find(c => c.name === model.capture) || null;
   }
 
   addVerdict(result, model) {

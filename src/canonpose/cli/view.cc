@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "canonpose/base/atomic_file.h"
@@ -34,15 +35,25 @@ struct ViewArguments {
   StripOptions strip;
 };
 
-/// What `solve --json` wrote. The page would show nothing of another file, so that is refused.
-std::string ReadSolveReport(const fs::path& path) {
+/// What `solve --json` wrote of one of these captures, or of any where none are known. The page would show nothing of
+/// another file, and a report of another recording says nothing about this one, so both are refused.
+std::string ReadSolveReport(const fs::path& path, const std::set<std::string>& captures) {
   const std::string text = ReadFile(path);
   const nlohmann::json report = nlohmann::json::parse(text, nullptr, false);
   if (!report.is_object() || !report.contains("captures") || !report["captures"].is_array()) {
     ThrowBadInput({path.string(), "", "a report that `canonpose solve --json` wrote", "something else",
                    "solve with --json, and give that file"});
   }
-  return text;
+  std::vector<std::string> reported;
+  for (const nlohmann::json& capture : report["captures"]) {
+    if (capture.is_object()) reported.push_back(capture.value("name", ""));
+  }
+  if (captures.empty() || std::ranges::any_of(reported, [&](const auto& name) { return captures.contains(name); })) {
+    return text;
+  }
+  ThrowBadInput({path.string(), "", fmt::format("the report of {}", fmt::join(captures, ", ")),
+                 fmt::format("that of {}", fmt::join(reported, ", ")),
+                 "give the one that `canonpose solve` wrote with this dataset"});
 }
 
 /// What `evaluate` says of a solved dataset; empty where there is nothing to compare with, or the comparison fails,
@@ -71,20 +82,6 @@ void RequireOutputName(const fs::path& output, bool is_image) {
                        is_image ? ".svg, since --svg is given" : ".html, or --svg FRAMES for an image (.svg)");
 }
 
-/// Throws where a report is of other captures than a solved dataset.
-void RequireReportOf(const fs::path& input, const fs::path& report_path, const std::string& report) {
-  if (!IsDatasetFile(input)) return;
-  std::set<std::string> captures;
-  for (const Sequence& sequence : ReadDataset(input).sequences) captures.insert(sequence.capture);
-  std::vector<std::string> reported;
-  const nlohmann::json parsed = nlohmann::json::parse(report);
-  for (const nlohmann::json& capture : parsed["captures"]) reported.push_back(capture.value("name", ""));
-  if (std::ranges::any_of(reported, [&](const std::string& name) { return captures.contains(name); })) return;
-  ThrowBadInput(
-      {report_path.string(), "", fmt::format("the report of {} ({})", input.string(), fmt::join(captures, ", ")),
-       fmt::format("that of {}", fmt::join(reported, ", ")), "give the one that `canonpose solve` wrote with it"});
-}
-
 void RunView(const ViewArguments& arguments) {
   RequireOutputName(arguments.output, !arguments.strip.frames.empty());
   std::vector<fs::path> read = arguments.inputs;
@@ -97,9 +94,12 @@ void RunView(const ViewArguments& arguments) {
   std::vector<ShownResult> results;
   for (std::size_t i = 0; i < arguments.inputs.size(); ++i) {
     results.push_back(ReadShownResult(arguments.inputs[i]));
-    if (i >= arguments.reports.size()) continue;
-    results.back().solve_report = ReadSolveReport(arguments.reports[i]);
-    RequireReportOf(arguments.inputs[i], arguments.reports[i], results.back().solve_report);
+    if (i < arguments.reports.size()) {
+      std::set<std::string> captures;
+      for (const ShownScene& shown : results.back().scenes) captures.insert(shown.capture);
+      captures.erase("");
+      results.back().solve_report = ReadSolveReport(arguments.reports[i], captures);
+    }
   }
   if (!arguments.strip.frames.empty()) {
     WriteFileAtomically(arguments.output, SkeletonStrip(results, arguments.strip));

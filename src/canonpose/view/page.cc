@@ -66,6 +66,7 @@ class SceneWriter {
     const Scene& scene = shown_.scene;
     Json json;
     json["name"] = scene.name;
+    json["capture"] = shown_.capture;
     const PoseSequence empty;
     const PoseSequence& first = scene.people.empty() ? empty : scene.people.front();
     json["frames"] = first.frame_count();

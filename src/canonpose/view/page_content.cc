@@ -59,7 +59,9 @@ ShownResult ReadShownResult(const std::filesystem::path& path) {
   const Dataset dataset = ReadDataset(path);
   for (ShownScene& shown : result.scenes) {
     const auto sequence = std::ranges::find(dataset.sequences, shown.scene.name, &Sequence::name);
-    if (sequence == dataset.sequences.end() || shown.scene.people.size() != 1) continue;
+    if (sequence == dataset.sequences.end()) continue;
+    shown.capture = sequence->capture;
+    if (shown.scene.people.size() != 1) continue;
     shown.detections = {KeypointsOf(*sequence, shown.scene)};
     // What the cameras saw now stands at the scene's frames.
     for (SceneCamera& camera : shown.scene.cameras) camera.time_offset_seconds = 0.0;

@@ -21,6 +21,7 @@ struct ViewKeypoints {
 
 struct ShownScene {
   Scene scene;
+  std::string capture;                                 ///< of a solved dataset, as its report names it
   std::vector<std::vector<ViewKeypoints>> detections;  ///< by person and camera; empty where the file has none
   std::vector<Analysis> analyses;                      ///< of the people; empty where they were not analysed
 };

@@ -95,6 +95,7 @@ TEST(Page, CarriesAnglesContactsAndReports) {
   analysis.angles.push_back({"knee_flexion_l", "deg", std::vector<double>(20, 12.3)});
   analysis.contacts.push_back({true, 2, 9});
   scene.analyses = {analysis};
+  scene.capture = "walk";
   ShownResult result = Result(scene);
   result.solve_report = R"({"captures": [{"name": "walk", "trust": "Nothing speaks against this result."}]})";
   result.evaluation = R"({"n_mpjpe_mm": 18.3})";
@@ -104,6 +105,7 @@ TEST(Page, CarriesAnglesContactsAndReports) {
   EXPECT_NEAR(Unpack(data.arrays, person["series"][0]["values"])[7], 12.3, 0.051);
   EXPECT_EQ(person["contacts"][0]["last"], 9);
   EXPECT_EQ(data.json["results"][0]["solve"]["captures"][0]["name"], "walk");
+  EXPECT_EQ(data.json["results"][0]["scenes"][0]["capture"], "walk");
   EXPECT_EQ(data.json["results"][0]["evaluation"]["n_mpjpe_mm"], 18.3);
 }
 
@@ -289,6 +291,10 @@ TEST(PageForBrowser, IsWrittenWhereOneAsksForIt) {
   ViewKeypoints& off = scene.detections[0][2];
   for (std::size_t i = 0; i < off.keypoints.size(); i += 2) off.keypoints[i] += 40.0F;
   ShownResult result{"one.h5", {scene, WalkingScene(1, 60)}, "", ""};
+  result.scenes[0].capture = "hall";
+  result.scenes[1].capture = "street";
+  result.solve_report = R"({"captures": [{"name": "street", "trust": "Nothing speaks against this result.",
+      "cameras": []}]})";
   WriteFileAtomically(std::filesystem::path(folder) / "page.html", MakePage({result}));
   ShownResult other{"two.h5", {scene}, "", ""};
   for (PoseSequence& person : other.scenes[0].scene.people) {

@@ -145,6 +145,7 @@ Solved RunSolve(const DataArguments& data, const BootstrapOptions& bootstrap, co
   if (all.datasets.size() > 1) RequireDistinctRecordings(all.datasets, all.files);
   Solved solved{std::make_shared<Dataset>(MergeDatasets(std::move(all.datasets), all.files)), {}};
   const std::string name = fmt::format("{}", fmt::join(all.files, ", "));
+  options.RequireSizesOf(*solved.dataset);
   const StartPoses start = Bootstrap(*solved.dataset, name, bootstrap);
   solved.report = Solve(*solved.dataset, start, options);
   return solved;

@@ -39,7 +39,7 @@ struct ExportArguments {
   std::string unit;     // empty: the format's
   std::string cameras;  // format of a calibration; empty: by the extension
   std::string names = "ours";
-  double fps = 0.0;
+  std::optional<double> fps;
   FilterOptions filter;
 };
 
@@ -104,12 +104,12 @@ std::vector<Scene> ChosenScenes(const ExportArguments& arguments) {
   for (Scene& scene : scenes) {
     names.push_back(scene.name);
     for (PoseSequence& person : scene.people) {
-      if (arguments.fps == 0.0) continue;
+      if (!arguments.fps) continue;
       if (FrameRateOf(person) > 0.0) {
         ThrowInvalidArgument("{} says that it has {:.6g} frames per second; leave out --fps", arguments.input.string(),
                              FrameRateOf(person));
       }
-      person.fps = arguments.fps;
+      person.fps = *arguments.fps;
     }
   }
   if (!arguments.sequence.empty()) {
@@ -276,6 +276,9 @@ void ExportCameras(const ExportArguments& arguments, CalibrationFormat format) {
 }
 
 void RunExport(const ExportArguments& arguments) {
+  if (arguments.fps && !(std::isfinite(*arguments.fps) && *arguments.fps > 0.0)) {
+    ThrowInvalidArgument("--fps: expected frames per second, above 0, found {}", *arguments.fps);
+  }
   if (const std::optional<CalibrationFormat> calibration = ChosenCalibration(arguments)) {
     return ExportCameras(arguments, *calibration);
   }
@@ -331,14 +334,8 @@ void AddExportCommand(CLI::App& app) {
       ->add_option("--fill-gaps", arguments->filter.longest_gap_seconds,
                    "Fill gaps up to this long before (default: none)")
       ->type_name("SECONDS");
-  CLI::Option* fps = command->add_option("--fps", arguments->fps, "Frames per second, if the input does not know them")
-                         ->type_name("FPS");
-  command->callback([arguments, fps] {
-    if (fps->count() > 0 && !(std::isfinite(arguments->fps) && arguments->fps > 0.0)) {
-      ThrowInvalidArgument("--fps: expected frames per second, above 0, found {}", arguments->fps);
-    }
-    RunExport(*arguments);
-  });
+  command->add_option("--fps", arguments->fps, "Frames per second, if the input does not know them")->type_name("FPS");
+  command->callback([arguments] { RunExport(*arguments); });
 }
 
 }  // namespace canonpose

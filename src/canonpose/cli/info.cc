@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "canonpose/base/error.h"
 #include "canonpose/base/hdf5.h"
 #include "canonpose/cli/commands.h"
 #include "canonpose/cli/info_facts.h"
@@ -179,12 +180,7 @@ void PrintReport(const Facts& facts) {
   }
 }
 
-void RunInfo(const InfoArguments& arguments) {
-  const Facts facts = FactsOf(arguments.path);
-  if (arguments.json) {
-    std::cout << facts.dump(2, ' ', false, Facts::error_handler_t::replace) << "\n";
-    return;
-  }
+void PrintFacts(const Facts& facts) {
   fmt::print("file         {}\n", TextIn(facts, "file"));
   const std::string kind = TextIn(facts, "kind");
   if (kind == "dataset") {
@@ -199,6 +195,20 @@ void RunInfo(const InfoArguments& arguments) {
     PrintModel(facts);
   } else {
     PrintReport(facts);
+  }
+}
+
+void RunInfo(const InfoArguments& arguments) {
+  try {
+    const Facts facts = FactsOf(arguments.path);
+    if (arguments.json) {
+      std::cout << facts.dump(2, ' ', false, Facts::error_handler_t::replace) << "\n";
+    } else {
+      PrintFacts(facts);
+    }
+  } catch (const Facts::exception&) {  // a .json that begins like one of ours
+    ThrowBadInput({arguments.path.string(), "", "what canonpose writes into such a file", "other contents",
+                   "write it again with the command that it comes from"});
   }
 }
 

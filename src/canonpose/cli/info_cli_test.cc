@@ -207,6 +207,11 @@ TEST(InfoProgram, RefusesWhatItCannotRead) {
   const Outcome outcome = Execute({"info", folder / "text.h5", "--json"});
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_EQ(outcome.output, "");
+  for (const char* const text : {R"({"format": "canonpose-scene-json", "people": [{}], "cameras": 3})",
+                                 R"({"pose3d": 1, "joints": 1, "units": 2})"}) {
+    WriteFileAtomically(folder / "other.json", text);
+    ExpectBadInput({"info", folder / "other.json"}, AllOf(HasSubstr("other.json"), HasSubstr("other contents")));
+  }
 }
 
 TEST(InfoProgram, AVideoNeedsADetector) {

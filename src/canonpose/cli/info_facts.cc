@@ -158,25 +158,24 @@ void AddScene(const Scene& scene, Facts& facts) {
 
 /// Of what `export` writes as .json (export/scene_json.h).
 void AddSceneJson(const Facts& json, Facts& facts) {
-  const auto value = [](const Facts& object, const char* key) { return object.contains(key) ? object[key] : Facts(); };
   facts["kind"] = "scene";
-  facts["name"] = value(json, "name");
-  facts["unit"] = value(json, "unit");
-  facts["up"] = value(json, "up_from");
+  facts["name"] = json.at("name");
+  facts["unit"] = json.at("unit");
+  facts["up"] = json.at("up_from");
   facts["floor"] = nullptr;
-  facts["scale"] = value(json, "unit_from");
-  facts["frames"] = value(json, "time").size();
-  facts["fps"] = value(json, "fps");
+  facts["scale"] = json.at("unit_from");
+  facts["frames"] = json.at("time").size();
+  facts["fps"] = json.at("fps");
   facts["people"] = Facts::array();
-  for (const Facts& person : value(json, "people")) {
-    facts["people"].push_back({{"name", value(person, "name")}, {"joints", value(person, "joints")}});
+  for (const Facts& person : json.at("people")) {
+    facts["people"].push_back({{"name", person.at("name")}, {"joints", person.at("joints")}});
   }
   facts["cameras"] = Facts::array();
-  for (const Facts& camera : value(json, "cameras")) {
-    facts["cameras"].push_back({{"name", value(camera, "name")},
-                                {"image_size", value(camera, "image_size")},
-                                {"used", value(camera, "used")},
-                                {"calibrated", !value(camera, "K").is_null()}});
+  for (const Facts& camera : json.at("cameras")) {
+    facts["cameras"].push_back({{"name", camera.at("name")},
+                                {"image_size", camera.at("image_size")},
+                                {"used", camera.at("used")},
+                                {"calibrated", camera.contains("K") && !camera["K"].is_null()}});
   }
 }
 
@@ -249,7 +248,7 @@ void AddJson(const fs::path& path, Facts& facts) {
   const Facts json = Facts::parse(ReadFile(path), nullptr, /*allow_exceptions=*/false);
   if (json.is_discarded()) ThrowNotOurs(path, "text that is not JSON");
   const auto has = [&](const char* key) { return json.is_object() && json.contains(key); };
-  if (has("format") && json["format"] == "canonpose-scene-json" && has("people") && json["people"].is_array()) {
+  if (has("format") && json["format"] == "canonpose-scene-json") {
     AddSceneJson(json, facts);
   } else if (has("pose3d") && has("joints") && has("units")) {
     facts["kind"] = "poses";

@@ -72,7 +72,7 @@ void RunSolve(const SolveArguments& arguments) {
   bootstrap.threads = options.threads;
   std::vector<std::string> files;
   for (const fs::path& path : arguments.data) files.push_back(path.string());
-  RequireMeasuresOf(dataset, options.measures);
+  options.RequireSizesOf(dataset);
   const StartPoses start = Bootstrap(dataset, fmt::format("{}", fmt::join(files, ", ")), bootstrap);
   const SolveReport report = Solve(dataset, start, options);
   WriteDataset(arguments.output, dataset);

@@ -11,6 +11,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/hash.h"
+#include "canonpose/base/rows.h"
 
 namespace canonpose {
 namespace {
@@ -33,15 +34,6 @@ void AddValues(Fingerprint& fingerprint, const std::vector<float>& values) {
 
 void AddInts(Fingerprint& fingerprint, const std::vector<int>& values) {
   fingerprint.Add(values.data(), values.size() * sizeof(int));
-}
-
-/// Keeps rows `first` to `last` of an array with one row per frame.
-template <typename T>
-void KeepRows(std::vector<T>& values, int frame_count, int first, int last) {
-  if (values.empty()) return;
-  const auto row = static_cast<std::ptrdiff_t>(values.size()) / frame_count;
-  values.erase(values.begin() + (last + 1) * row, values.end());
-  values.erase(values.begin(), values.begin() + first * row);
 }
 
 std::optional<int> ParseFrame(std::string_view text) {
@@ -135,6 +127,22 @@ void FrameRange::RequireLast(int frame_count, const std::string& file) const {
        fmt::format("give `frames={}-{}`, or `frames={}-` for all from there on", first, frame_count - 1, first)});
 }
 
+void KeepFrames(Sequence& sequence, int first, int last, int step) {
+  const auto keep = [&](auto& values) { KeepRows(values, sequence.frame_count, first, last + 1, step); };
+  for (CameraView& view : sequence.cameras) {
+    keep(view.keypoints);
+    keep(view.confidence);
+    view.truth.KeepFrames(first, last, step);
+    view.solved.KeepFrames(first, last, step);
+    keep(view.solved_frames);
+    for (double& frame : view.solved_frames) frame = (frame - first) / step;
+    if (view.calibration.size() > 1) keep(view.calibration);
+    if (view.solved_calibration.size() > 1) keep(view.solved_calibration);
+  }
+  keep(sequence.action);
+  sequence.frame_count = first <= last ? (last - first) / step + 1 : 0;
+}
+
 void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& file) {
   int longest = 0;
   for (const Sequence& sequence : dataset.sequences) longest = std::max(longest, sequence.frame_count);
@@ -145,22 +153,7 @@ void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& fi
       sequence.frame_count = 0;
       continue;
     }
-    for (CameraView& view : sequence.cameras) {
-      KeepRows(view.keypoints, sequence.frame_count, range.first, last);
-      KeepRows(view.confidence, sequence.frame_count, range.first, last);
-      view.truth.KeepFrames(range.first, last);
-      view.solved.KeepFrames(range.first, last);
-      if (!view.solved_frames.empty()) {
-        KeepRows(view.solved_frames, sequence.frame_count, range.first, last);
-        for (double& frame : view.solved_frames) frame -= range.first;
-      }
-      if (view.solved_calibration.size() > 1) {
-        KeepRows(view.solved_calibration, sequence.frame_count, range.first, last);
-      }
-      if (view.calibration.size() > 1) KeepRows(view.calibration, sequence.frame_count, range.first, last);
-    }
-    KeepRows(sequence.action, sequence.frame_count, range.first, last);
-    sequence.frame_count = last - range.first + 1;
+    KeepFrames(sequence, range.first, last);
   }
   std::erase_if(dataset.sequences, [](const Sequence& sequence) { return sequence.frame_count == 0; });
   if (dataset.sequences.empty()) {

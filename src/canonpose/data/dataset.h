@@ -121,6 +121,10 @@ struct FrameRange {
   void RequireLast(int frame_count, const std::string& file) const;
 };
 
+/// Keeps only the frames first, first + step, ... up to `last`, which the sequence must have; none where `first` is
+/// after `last`.
+void KeepFrames(Sequence& sequence, int first, int last, int step = 1);
+
 /// Keeps only the frames of `range` in every sequence; sequences left without frames are removed. Throws
 /// Error(kBadInput) where no sequence remains, or the range ends beyond the longest sequence.
 void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& file);

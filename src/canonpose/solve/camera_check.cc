@@ -40,10 +40,16 @@ constexpr double kLargeError = 0.03;
 /// Pairs of views are tried up to this many.
 constexpr std::size_t kMaxPairs = 15;
 
-constexpr const char* kWhyNotTheSame = "does not show the same person, or not at the same time";
-constexpr const char* kWhySides =
-    "fits only with left and right exchanged: its image is mirrored, or its joints are, and moving cameras do not show "
-    "which";
+/// Why a view is left out as a whole.
+struct Rejection {
+  const char* kind;  ///< CameraFinding::kind
+  const char* why;   ///< in words that follow the camera's name
+};
+constexpr Rejection kNotTheSame = {"does-not-fit", "does not show the same person, or not at the same time"};
+constexpr Rejection kBackwards = {"backwards", "runs backwards"};
+constexpr Rejection kOtherSides = {"sides-exchanged",
+                                   "fits only with left and right exchanged: its image is mirrored, or its joints "
+                                   "are, and moving cameras do not show which"};
 
 /// Shifts views of a clip in time, always the one that gains most, until all fit. Returns whether any view was shifted.
 bool AlignClip(CaptureObservations& capture, const Solution& solution, int clip,
@@ -166,7 +172,7 @@ class Examination {
   /// The median log focal length of the views that agree.
   [[nodiscard]] double FocalOf(const Consensus& consensus, int clip) const;
   void Correct(const Consensus& consensus, int view);
-  void Drop(int view, const std::string& why);
+  void Drop(int view, const Rejection& rejection);
 
   const CaptureObservations& original_;
   const Calibrate& calibrate_;
@@ -298,7 +304,7 @@ std::optional<Consensus> Examination::FindConsensus(const std::vector<ViewSigns>
 void Examination::Correct(const Consensus& consensus, int view) {
   CopyView(original_, view, capture_);
   int clips_that_fit = 0;
-  std::string why = kWhyNotTheSame;
+  Rejection rejection = kNotTheSame;
   for (int clip = 0; clip < static_cast<int>(capture_.clips.size()); ++clip) {
     // The view is examined as it was recorded, not as it was shifted against a solution that it took part in.
     const KnownMotion motion(consensus.capture, consensus.solution, clip);
@@ -310,12 +316,12 @@ void Examination::Correct(const Consensus& consensus, int view) {
     if (found.fits && found.reading.time.rate < 0.0) {
       // Another take of the same motion cannot be told from a recording that runs backwards; it is no evidence.
       found.fits = false;
-      why = "runs backwards";
+      rejection = kBackwards;
     }
     const bool has_other_sides = found.reading.is_mirrored || found.reading.sides_are_exchanged;
     if (found.fits && has_other_sides && !capture_.static_cameras) {
       found.fits = false;
-      why = kWhySides;
+      rejection = kOtherSides;
     }
     if (found.fits) {
       ++clips_that_fit;
@@ -329,14 +335,15 @@ void Examination::Correct(const Consensus& consensus, int view) {
   if (clips_that_fit > 0) {
     corrected_.insert(view);
   } else {
-    Drop(view, why);
+    Drop(view, rejection);
   }
 }
 
-void Examination::Drop(int view, const std::string& why) {
+void Examination::Drop(int view, const Rejection& rejection) {
   DropView(capture_, view);
   check_.dropped[static_cast<std::size_t>(view)] = true;
-  check_.why_dropped[static_cast<std::size_t>(view)] = why;
+  check_.why_dropped[static_cast<std::size_t>(view)] = rejection.why;
+  check_.dropped_as[static_cast<std::size_t>(view)] = rejection.kind;
   for (std::vector<ViewCorrection>& corrections : check_.corrections) corrections[static_cast<std::size_t>(view)] = {};
 }
 
@@ -354,7 +361,7 @@ bool Examination::Run() {
   for (const int v : Others(*consensus, signs)) {
     // Moving cameras follow nearly anything. A view that does not fit although it was corrected shows something else.
     if (corrected_.contains(v)) {
-      Drop(v, kWhyNotTheSame);
+      Drop(v, kNotTheSame);
     } else {
       Correct(*consensus, v);
     }

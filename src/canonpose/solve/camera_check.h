@@ -20,11 +20,13 @@ struct CameraCheck {
   std::vector<std::vector<ViewCorrection>> corrections;  ///< (clips, V)
   std::vector<bool> dropped;                             ///< (V) whether the view was left out as a whole
   std::vector<std::string> why_dropped;                  ///< (V) in words that follow the camera's name
+  std::vector<std::string> dropped_as;                   ///< (V) CameraFinding::kind
 
   explicit CameraCheck(const CaptureObservations& capture)
       : corrections(capture.clips.size(), std::vector<ViewCorrection>(capture.cameras.size())),
         dropped(capture.cameras.size(), false),
-        why_dropped(capture.cameras.size()) {}
+        why_dropped(capture.cameras.size()),
+        dropped_as(capture.cameras.size()) {}
   [[nodiscard]] ViewCorrection& At(int clip, int view) {
     return corrections[static_cast<std::size_t>(clip)][static_cast<std::size_t>(view)];
   }

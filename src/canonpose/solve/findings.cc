@@ -59,12 +59,8 @@ std::vector<CameraFinding> MakeFindings(const CaptureObservations& capture, cons
            fmt::format("{} has keypoints of images of {} x {} pixels: corrected", camera, size[0], size[1])});
     }
     if (check.dropped[v]) {
-      const std::string& why = check.why_dropped[v];
-      const char* kind = why == "runs backwards"                                      ? "backwards"
-                         : why.starts_with("fits only with left and right exchanged") ? "sides-exchanged"
-                                                                                      : "does-not-fit";
-      findings.push_back(
-          {camera, 0, kind, 0, capture.frame_count, false, fmt::format("{} {}: it is left out", camera, why)});
+      findings.push_back({camera, 0, check.dropped_as[v], 0, capture.frame_count, false,
+                          fmt::format("{} {}: it is left out", camera, check.why_dropped[v])});
       continue;
     }
     for (std::size_t c = 0; c < capture.clips.size(); ++c) {

@@ -75,8 +75,9 @@ Solution ChooseLens(const CaptureObservations& capture, CalibrationOptions& opti
   const bool is_better = other.calibration_summary.IsUsable() &&
                          (!normal.calibration_summary.IsUsable() ||
                           CappedError(capture, other) < kGainOfWideLens * CappedError(capture, normal));
-  if (is_better) options = wide;
-  return is_better ? other : normal;
+  if (!is_better) return normal;
+  options = wide;
+  return other;
 }
 
 bool HasFailed(const CaptureWork& work) { return !work.report.failure.empty(); }
@@ -304,14 +305,17 @@ void SolveOptions::Validate() const {
   CANONPOSE_CHECK(calibration_frames > 0 && window_frames > 0, "{} {}", calibration_frames, window_frames);
 }
 
+void SolveOptions::RequireSizesOf(const Dataset& dataset) const {
+  RequireMeasuresOf(dataset, measures);
+  if (!calibrated_scale || dataset.HasCalibration()) return;
+  ThrowInvalidArgument(
+      "`calibrated_scale`: expected data that were imported with a calibration, found none; give a `height` or a "
+      "`camera_distance` instead");
+}
+
 SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions& options) {
   options.Validate();
-  RequireMeasuresOf(dataset, options.measures);
-  if (options.calibrated_scale && !dataset.HasCalibration()) {
-    ThrowInvalidArgument(
-        "`calibrated_scale`: expected data that were imported with a calibration, found none; give a "
-        "`height` or a `camera_distance` instead");
-  }
+  options.RequireSizesOf(dataset);
   const OneBlasThread one_thread;
   for (Sequence& sequence : dataset.sequences) {
     for (CameraView& view : sequence.cameras) {

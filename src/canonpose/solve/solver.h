@@ -31,14 +31,17 @@ struct SolveOptions {
 
   /// Throws Error(kInvalidArgument).
   void Validate() const;
+  /// Throws Error(kInvalidArgument) where sizes are of others than the people and cameras of the dataset, or a
+  /// calibration is to give them and there is none. To be called before the start's poses are found.
+  void RequireSizesOf(const Dataset& dataset) const;
 };
 
 /// Solves every capture of the dataset and sets `solved` and `solved_calibration`; what was there before is removed.
 /// Lengths are in millimetres where a size is known, otherwise in the unit in which the bones of the capture's first
 /// subject add up to 1. What could not be solved is NaN, and the report says why.
 ///
-/// Throws Error(kComputation) with the reasons where no capture can be solved, Error(kInvalidArgument) where `measures`
-/// are of others than the people and cameras of the dataset.
+/// Throws Error(kComputation) with the reasons where no capture can be solved, Error(kInvalidArgument) where
+/// RequireSizesOf() does.
 SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions& options);
 
 }  // namespace canonpose

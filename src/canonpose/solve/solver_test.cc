@@ -135,6 +135,10 @@ TEST(Solve, MeasuresMustBeOfWhatTheDataShow) {
   EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { Solve(dataset, start, options); }), HasSubstr("nobody"));
   options.calibrated_scale = true;
   EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { Solve(dataset, start, options); }), HasSubstr("give one"));
+  options.measures.heights.clear();
+  for (CameraView& view : dataset.sequences[0].cameras) view.calibration.clear();
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { Solve(dataset, start, options); }),
+              HasSubstr("with a calibration, found none"));
 }
 
 /// The mirror of the start's poses in depth.

@@ -98,7 +98,7 @@ TEST(Base64, IsThatOfTheStandard) {
 
 TEST(Gzip, IsReadByZlib) {
   std::string bytes;
-  for (int i = 0; i < 300000; ++i) bytes.push_back(static_cast<char>(i * i % 251));
+  for (int i = 0; i < 300000; ++i) bytes.push_back(static_cast<char>(i % 251 * (i % 251) % 251));
   EXPECT_EQ(testing::Gunzip(Gzip(bytes)), bytes);
   EXPECT_EQ(testing::Gunzip(testing::FromBase64(Base64(Gzip(bytes)))), bytes);
 }

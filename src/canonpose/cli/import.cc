@@ -159,6 +159,10 @@ void RunBenchmarkImport(const ImportArguments& arguments, const CLI::App& comman
 
 void RunImport(const ImportArguments& arguments, const CLI::App& command) {
   const std::string& format = arguments.options.format;
+  const double fps = arguments.options.fps;
+  if (command.count("--fps") > 0 && !(std::isfinite(fps) && fps > 0.0)) {
+    ThrowInvalidArgument("--fps: expected frames per second, above 0, found {}", fps);
+  }
   if (FindBenchmarkFormat(format) != nullptr) return RunBenchmarkImport(arguments, command);
   RefuseOptions(command, {"--truth", "--cameras"}, format + ", which is not a benchmark");
   const ImportOptions options = ToOptions(arguments);

@@ -57,6 +57,12 @@ TEST(Usage, TheProgramMultipliesMatricesAboutAsFastAsOpenBlasAlone) {
   EXPECT_GT(algebra["gflops"].get<double>(), algebra["openblas_gflops"].get<double>() / 3.0);
 }
 
+TEST(Usage, AFrameRateOfZeroIsNotTakenForAnUnknownOne) {
+  for (const std::string rate : {"0", "-5", "nan"}) {
+    ExpectMistake({"import", "openpose", "any", "-o", "a.h5", "--fps", rate}, HasSubstr("--fps: expected frames per"));
+  }
+}
+
 TEST(Usage, AnUnknownCommandIsNamedWithTheNearest) {
   ExpectMistake({"imprt"}, "error: there is no command \"imprt\"; did you mean import? (canonpose help lists them)");
   ExpectMistake({"evaluate-all"}, AllOf(HasSubstr("\"evaluate-all\""), HasSubstr("did you mean evaluate?")));

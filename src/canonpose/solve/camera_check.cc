@@ -35,6 +35,9 @@ constexpr double kGainOnAll = 0.93;
 constexpr double kGainOfKnownFault = 0.95;
 /// The same of a pair, which explains nearly anything.
 constexpr double kPairGain = 0.6;
+/// Two views at half the frame rate are believed if the error falls below this multiple of that with all views as they
+/// are, and kAgreementGain times that of any other two.
+constexpr double kSlowPairGain = 0.85;
 /// Of CappedError().
 constexpr double kLargeError = 0.03;
 /// Pairs of views are tried up to this many.
@@ -113,8 +116,9 @@ struct Consensus {
   std::vector<int> views;
   CaptureObservations capture;  ///< what they saw; nothing from the others
   Solution solution;
-  double error = 0.0;           ///< MedianError()
-  bool is_as_recorded = false;  ///< found from the views as they were recorded, before any was shifted
+  double error = 0.0;             ///< MedianError()
+  bool is_as_recorded = false;    ///< found from the views as they were recorded, before any was shifted
+  std::vector<int> at_half_rate;  ///< of `views`: they agree once they are read at twice their frame rate
 };
 
 /// An error of keypoints, given that each joint's three coordinates were fitted to two of each of these views.
@@ -143,6 +147,14 @@ std::optional<Consensus> Agree(const CaptureObservations& capture, const Calibra
   return consensus;
 }
 
+std::vector<int> KnownViews(const std::vector<ViewSigns>& signs) {
+  std::vector<int> known;
+  for (std::size_t v = 0; v < signs.size(); ++v) {
+    if (signs[v].known) known.push_back(static_cast<int>(v));
+  }
+  return known;
+}
+
 class Examination {
  public:
   Examination(const CaptureObservations& original, const Calibrate& calibrate, const Calibrate& calibrate_quickly,
@@ -160,6 +172,9 @@ class Examination {
  private:
   [[nodiscard]] std::optional<Consensus> FindConsensus(const std::vector<ViewSigns>& signs) const;
   [[nodiscard]] std::optional<Consensus> ConsensusWithout(const std::vector<ViewSigns>& signs) const;
+  /// All of four views, two of which have half the frame rate of the others. Each two agree with each other, so that
+  /// no view alone is found to be wrong, and where two stand opposite each other neither pair gives a solution.
+  [[nodiscard]] std::optional<Consensus> ConsensusWithSlowPair(const std::vector<ViewSigns>& signs) const;
   [[nodiscard]] std::optional<Consensus> ConsensusOfPairs(const std::vector<ViewSigns>& signs) const;
   /// The views that are known but not part of the consensus.
   [[nodiscard]] std::vector<int> Others(const Consensus& consensus, const std::vector<ViewSigns>& signs) const;
@@ -193,10 +208,7 @@ double Examination::FocalOf(const Consensus& consensus, int clip) const {
 }
 
 std::optional<Consensus> Examination::ConsensusWithout(const std::vector<ViewSigns>& signs) const {
-  std::vector<int> known;
-  for (int v = 0; v < capture_.view_count(); ++v) {
-    if (signs[static_cast<std::size_t>(v)].known) known.push_back(v);
-  }
+  const std::vector<int> known = KnownViews(signs);
   std::optional<Consensus> best;
   double second = std::numeric_limits<double>::infinity();
   for (const int v : known) {
@@ -260,6 +272,34 @@ int Examination::CountReadable(const Consensus& consensus, const std::vector<Vie
   return readable;
 }
 
+std::optional<Consensus> Examination::ConsensusWithSlowPair(const std::vector<ViewSigns>& signs) const {
+  const std::vector<int> known = KnownViews(signs);
+  if (known.size() != 4) return std::nullopt;
+  ViewCorrection faster;
+  faster.reading.time.rate = 2.0;
+  std::optional<Consensus> best;
+  double second = std::numeric_limits<double>::infinity();
+  for (const int v : known) {
+    for (const int w : known) {
+      if (w <= v) continue;
+      CaptureObservations read = original_;
+      for (int clip = 0; clip < static_cast<int>(read.clips.size()); ++clip) {
+        for (const int view : {v, w}) ApplyCorrection(faster, clip, view, read);
+      }
+      std::optional<Consensus> candidate = Agree(read, calibrate_quickly_, known);
+      if (!candidate) continue;
+      candidate->is_as_recorded = true;
+      candidate->at_half_rate = {v, w};
+      const bool is_better = !best || candidate->error < best->error;
+      second = std::min(second, is_better ? (best ? best->error : second) : candidate->error);
+      if (is_better) best = std::move(candidate);
+    }
+  }
+  const double with_all = PerDegreeOfFreedom(CappedError(capture_, solution_), known.size());
+  if (!best || best->error >= kSlowPairGain * with_all || best->error >= kAgreementGain * second) return std::nullopt;
+  return best;
+}
+
 std::optional<Consensus> Examination::ConsensusOfPairs(const std::vector<ViewSigns>& signs) const {
   const auto known = static_cast<std::size_t>(std::ranges::count_if(signs, &ViewSigns::known));
   const double with_all = PerDegreeOfFreedom(CappedError(capture_, solution_), known);
@@ -297,6 +337,8 @@ std::optional<Consensus> Examination::FindConsensus(const std::vector<ViewSigns>
   const auto known = std::ranges::count_if(signs, &ViewSigns::known);
   if (known < 3) return std::nullopt;
   std::optional<Consensus> consensus = ConsensusWithout(signs);
+  std::optional<Consensus> with_slow_pair = ConsensusWithSlowPair(signs);
+  if (with_slow_pair && (!consensus || with_slow_pair->error < consensus->error)) consensus = std::move(with_slow_pair);
   if (!consensus && known > 3) consensus = ConsensusOfPairs(signs);
   return consensus;
 }
@@ -349,15 +391,21 @@ void Examination::Drop(int view, const Rejection& rejection) {
 
 bool Examination::Run() {
   const std::vector<ViewSigns> signs = MeasureSigns(capture_, solution_);
-  if (!AnyAlarm(signs)) return false;
+  if (!AnyAlarm(signs) && Doubtful(MeasurePlausibility(capture_, solution_)).empty()) return false;
   const std::optional<Consensus> consensus = FindConsensus(signs);
   if (!consensus) return false;
+  const CaptureObservations before = capture_;
   for (const int v : consensus->views) {
     if (!consensus->is_as_recorded) continue;
     CopyView(original_, v, capture_);
     for (std::vector<ViewCorrection>& corrections : check_.corrections) corrections[static_cast<std::size_t>(v)] = {};
   }
-  const CaptureObservations before = capture_;
+  for (const int v : consensus->at_half_rate) {
+    for (int clip = 0; clip < static_cast<int>(capture_.clips.size()); ++clip) {
+      check_.At(clip, v).reading.time.rate = 2.0;
+      ApplyCorrection(check_.At(clip, v), clip, v, capture_);
+    }
+  }
   for (const int v : Others(*consensus, signs)) {
     // Moving cameras follow nearly anything. A view that does not fit although it was corrected shows something else.
     if (corrected_.contains(v)) {

@@ -127,5 +127,24 @@ TEST(CheckCameras, ReadsAMirroredCameraAsItShouldBe) {
   EXPECT_LT(MedianError(capture, solution), 0.006);
 }
 
+// Views 0 and 2 stand opposite each other, and so do 1 and 3: no pair by itself shows depth.
+TEST(CheckCameras, ReadsTwoOppositeCamerasOfHalfTheFrameRate) {
+  SimulationOptions options = testing::SmallSimulation();
+  options.seconds = 12.0;
+  CaptureObservations capture = Observe(testing::Simulate(options).dataset);
+  ViewCorrection slower;
+  slower.reading.time.rate = 0.5;
+  for (int clip = 0; clip < static_cast<int>(capture.clips.size()); ++clip) {
+    for (const int view : {0, 2}) ApplyCorrection(slower, clip, view, capture);
+  }
+  Solution solution = Quickly()(capture);
+  const CameraCheck check = CheckCameras(capture, Quickly(), Quickly(), solution);
+  EXPECT_THAT(check.dropped, Each(false));
+  for (int clip = 0; clip < static_cast<int>(capture.clips.size()); ++clip) {
+    for (int v = 0; v < 4; ++v) EXPECT_EQ(check.At(clip, v).reading.time.rate, v % 2 == 0 ? 2.0 : 1.0) << clip << v;
+  }
+  EXPECT_LT(MedianError(capture, solution), 0.006);
+}
+
 }  // namespace
 }  // namespace canonpose

@@ -25,10 +25,16 @@ inline double CauchyLoss(double error) { return std::log1p(error * error / (kLos
 /// error, times kLossScale^2.
 inline double CauchyWeight(double error) { return 1.0 / (1.0 + error * error / (kLossScale * kLossScale)); }
 
-/// The distance of a point in a camera's frame from the ray of a keypoint, measured at the point's depth: the
-/// reprojection error in body units. Meaningless behind the camera; see DistanceInFront().
+/// A point in a camera's frame less the point of a keypoint's ray at its depth: the reprojection error in body units,
+/// as a vector along the image's axes. Meaningless behind the camera; see DistanceInFront().
+inline Eigen::Vector2d DisplacementAtDepth(const Eigen::Vector3d& in_camera, double focal,
+                                           const Eigen::Vector2d& keypoint) {
+  return in_camera.head<2>() - keypoint * in_camera.z() / focal;
+}
+
+/// The length of that vector.
 inline double DistanceAtDepth(const Eigen::Vector3d& in_camera, double focal, const Eigen::Vector2d& keypoint) {
-  return (in_camera.head<2>() - keypoint * in_camera.z() / focal).norm();
+  return DisplacementAtDepth(in_camera, focal, keypoint).norm();
 }
 
 /// The same; NaN behind the camera.
@@ -36,8 +42,8 @@ inline double DistanceInFront(const Eigen::Vector3d& in_camera, double focal, co
   return in_camera.z() > 0.0 ? DistanceAtDepth(in_camera, focal, keypoint) : std::nan("");
 }
 
-/// The derivative of that distance's two components, (x, y)_in_camera - keypoint z_in_camera / focal, by a point in the
-/// world, where the keypoint is that of the point itself.
+/// The derivative of that vector, (x, y)_in_camera - keypoint z_in_camera / focal, by a point in the world, where the
+/// keypoint is that of the point itself.
 inline Eigen::Matrix<double, 2, 3> ProjectionRows(const Eigen::Matrix3d& camera_from_world,
                                                   const Eigen::Vector3d& in_camera) {
   return camera_from_world.topRows<2>() - in_camera.head<2>() / in_camera.z() * camera_from_world.row(2);

@@ -21,7 +21,8 @@ using Json = nlohmann::ordered_json;
 constexpr double kOutlierScatters = 5.0;
 /// Good captures have up to 11 %.
 constexpr double kManyOutliersPercent = 12.0;
-/// Two of four moving cameras at half the frame rate have 21 to 29 %.
+/// Two of four moving cameras at half the frame rate have 21 to 29 %, static ones 13 % and more; of the latter, those
+/// with few outliers have bones of changing lengths.
 constexpr double kContradictingOutliersPercent = 18.0;
 
 std::string DescribeMirror(const Solution& solution, const std::string& option) {
@@ -234,12 +235,13 @@ std::string CaptureReport::Trust() const {
 }
 
 std::string CaptureReport::Contradiction() const {
+  const double limit = agrees_poorly ? kManyOutliersPercent : kContradictingOutliersPercent;
   std::size_t used = 0;
   std::vector<std::string> contradicting;
   for (const CameraReport& camera : cameras) {
     if (!camera.used) continue;
     ++used;
-    if (camera.outlier_percent > kContradictingOutliersPercent) {
+    if (camera.outlier_percent > limit) {
       contradicting.push_back(fmt::format("{:.0f} % of {}'s keypoints", camera.outlier_percent, camera.name));
     }
   }

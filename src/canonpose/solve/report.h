@@ -56,13 +56,15 @@ struct CaptureReport {
   std::vector<std::string> unseen_joints;        ///< that no camera ever sees; they are not in the result
   std::optional<AdjustmentSummary> calibration;  ///< of the cameras; empty where it was not tried
   std::optional<WindowsSummary> windows;         ///< of all frames; empty where they were not tried
+  bool agrees_poorly = false;  ///< keypoints and bones are so far off that the cameras may show different things
   std::vector<std::string> warnings;
   std::string failure;  ///< why the capture could not be solved; empty where it was
 
   /// One sentence for people who have not read the rest: whether the result can be relied on, and if not, why.
   [[nodiscard]] std::string Trust() const;
   /// Why nothing in the result can be relied on: there are three cameras or more, and so many keypoints of half of them
-  /// do not fit that nothing says which of the cameras are wrong. Empty otherwise.
+  /// do not fit that nothing says which of the cameras are wrong. Fewer suffice where the cameras agree poorly. Empty
+  /// otherwise.
   [[nodiscard]] std::string Contradiction() const;
 };
 

@@ -122,6 +122,10 @@ TEST(Report, CamerasOfWhichHalfContradictTheOthersSayNothing) {
   EXPECT_THAT(WithOutliers({3.0, 4.0, 5.0, 29.0}).Contradiction(), IsEmpty());  // the other three agree
   EXPECT_THAT(WithOutliers({11.0, 11.0, 11.0}).Contradiction(), IsEmpty());
   EXPECT_THAT(WithOutliers({29.0, 29.0}).Contradiction(), IsEmpty());  // of two cameras none is in the minority
+  CaptureReport poor = WithOutliers({4.0, 13.0, 5.0, 18.0});
+  EXPECT_THAT(poor.Contradiction(), IsEmpty());
+  poor.agrees_poorly = true;
+  EXPECT_THAT(poor.Contradiction(), HasSubstr("13 % of cam2's keypoints, 18 % of cam4's keypoints do not fit"));
   CaptureReport one_left_out = WithOutliers({29.0, 29.0, 0.0});
   one_left_out.cameras[2].used = false;
   EXPECT_THAT(one_left_out.Contradiction(), IsEmpty());

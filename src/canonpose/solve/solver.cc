@@ -198,7 +198,8 @@ void FinishReport(const CaptureObservations& capture, const SolveOptions& option
   }
   report.findings = MakeFindings(capture, check);
   const std::string doubt = Doubtful(MeasurePlausibility(capture, solution));
-  if (!doubt.empty()) report.warnings.push_back(doubt);
+  report.agrees_poorly = !doubt.empty();
+  if (report.agrees_poorly) report.warnings.push_back(doubt);
   if (options.mirror == "auto" && std::abs(solution.mirror_sigma) < kDecisiveSigma) {
     report.warnings.emplace_back(
         "perspective is too weak to decide between the poses and their mirror images in depth; depth is as in the "

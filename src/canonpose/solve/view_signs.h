@@ -13,7 +13,10 @@ struct ViewSigns {
   bool known = false;         ///< false where the view has no camera, or nothing to compare
   double disagreement = 0.0;  ///< median over the capture
   double worst_window = 0.0;  ///< the largest median over half a second
-  double outliers = 0.0;      ///< share of keypoints that are farther off than five times their usual scatter
+  /// Of static cameras: how far, on average, the keypoints lie elsewhere after some frame of a clip than before it. A
+  /// pushed camera has this even where the calibration has found a compromise between both positions.
+  double largest_step = 0.0;
+  double outliers = 0.0;  ///< share of keypoints that are farther off than five times their usual scatter
 
   /// Whether the view has to be looked at more closely. An alarm by itself is not a finding.
   [[nodiscard]] bool Alarm() const;

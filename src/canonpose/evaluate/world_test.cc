@@ -48,7 +48,8 @@ struct Recording {
       std::vector<float> positions;
       for (int t = 0; t < 3; ++t) {
         for (int j = 0; j < 4; ++j) {
-          const Eigen::Vector3d in_world(500.0 * t + 100.0 * j, 300.0 * (j % 2) + 20.0 * t, 200.0 * (j / 2));
+          const Eigen::Vector3d in_world(500.0 * t + 100.0 * j, 300.0 * (j % 2) + 20.0 * t,
+                                         200.0 * static_cast<double>(j / 2));
           // Each pose as a whole is off along z, to one side and the other.
           const Eigen::Vector3d found = in_world + Eigen::Vector3d(0, 0, t == 1 ? -2.0 * error_mm : error_mm);
           const Eigen::Vector3d true_in_camera = view.calibration[0].InCamera(in_world);

@@ -81,7 +81,7 @@ std::map<std::string, C3dParameter> ReadParameters(const std::string& bytes) {
   std::vector<std::pair<int, std::pair<std::string, C3dParameter>>> found;
   for (std::size_t at = section + 4;;) {
     const int length = std::abs(At<std::int8_t>(bytes, at));
-    const int group = At<std::int8_t>(bytes, at + 1);
+    const int group = static_cast<int>(At<std::int8_t>(bytes, at + 1));
     if (length == 0) break;
     const std::string name = bytes.substr(at + 2, static_cast<std::size_t>(length));
     const std::size_t place = at + 2 + static_cast<std::size_t>(length);
@@ -91,7 +91,7 @@ std::map<std::string, C3dParameter> ReadParameters(const std::string& bytes) {
       groups[-group] = name;
     } else {
       C3dParameter parameter;
-      parameter.type = At<std::int8_t>(bytes, place + 2);
+      parameter.type = static_cast<int>(At<std::int8_t>(bytes, place + 2));
       std::size_t count = 1;
       const auto dimensions = static_cast<std::size_t>(At<std::uint8_t>(bytes, place + 3));
       for (std::size_t d = 0; d < dimensions; ++d) {

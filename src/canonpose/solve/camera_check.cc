@@ -147,6 +147,12 @@ std::optional<Consensus> Agree(const CaptureObservations& capture, const Calibra
   return consensus;
 }
 
+/// Whether two captures of the same frames have the same keypoints, of which those that are not seen are NaN.
+bool HasSameKeypoints(const CaptureObservations& a, const CaptureObservations& b) {
+  const auto is_same = [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+  return a.confidence == b.confidence && std::ranges::equal(a.xy, b.xy, is_same);
+}
+
 std::vector<int> KnownViews(const std::vector<ViewSigns>& signs) {
   std::vector<int> known;
   for (std::size_t v = 0; v < signs.size(); ++v) {
@@ -195,7 +201,8 @@ class Examination {
   CaptureObservations& capture_;
   Solution& solution_;
   CameraCheck& check_;
-  std::set<int> corrected_;  ///< views that Correct() kept
+  std::set<int> corrected_;                       ///< views that Correct() kept
+  std::optional<CaptureObservations> looked_at_;  ///< by the last Run()
 };
 
 double Examination::FocalOf(const Consensus& consensus, int clip) const {
@@ -390,6 +397,8 @@ void Examination::Drop(int view, const Rejection& rejection) {
 }
 
 bool Examination::Run() {
+  if (looked_at_ && HasSameKeypoints(*looked_at_, capture_)) return false;
+  looked_at_ = capture_;
   const std::vector<ViewSigns> signs = MeasureSigns(capture_, solution_);
   if (!AnyAlarm(signs) && Doubtful(MeasurePlausibility(capture_, solution_)).empty()) return false;
   const std::optional<Consensus> consensus = FindConsensus(signs);
@@ -414,7 +423,7 @@ bool Examination::Run() {
       Correct(*consensus, v);
     }
   }
-  if (capture_.xy == before.xy && capture_.confidence == before.confidence) return false;
+  if (HasSameKeypoints(capture_, before)) return false;
   solution_ = calibrate_(capture_);
   return true;
 }

@@ -1,6 +1,4 @@
 // Reading attributes and arrays.
-#include "canonpose/base/hdf5.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "canonpose/base/hdf5.h"
 #include "canonpose/base/hdf5_handles.h"
 #include "canonpose/base/hdf5_questions.h"
 
@@ -266,9 +265,8 @@ std::vector<std::string> Group::ReadTexts(const std::string& name) const {
   const Id type(H5Dget_type(dataset), H5Tclose);
   const Id space(H5Dget_space(dataset), H5Sclose);
   if (H5Tget_class(type) != H5T_STRING) Fail(name, "an array of texts", "another type", "");
-  auto values = TextsBy(type, space, count, [&](void* memory) {
-    return H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, memory);
-  });
+  auto values = TextsBy(type, space, count,
+                        [&](void* memory) { return H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, memory); });
   if (!values) Fail(name, "readable data", "damaged data", "restore the file from a copy or make it again");
   return std::move(*values);
 }

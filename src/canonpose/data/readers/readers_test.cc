@@ -34,7 +34,10 @@ constexpr int kFrameWithMissingJoint = 2;
 std::vector<DetectedCamera> ReadAll(const std::string& format, const fs::path& path) {
   const DetectionFormat& table = FindDetectionFormat(format);
   std::vector<DetectedCamera> cameras;
-  for (const CameraInput& input : table.find_cameras(path)) cameras.push_back(table.read(input));
+  for (CameraInput input : table.find_cameras(path)) {
+    input.image_size = {640, 480};
+    cameras.push_back(table.read(input));
+  }
   return cameras;
 }
 
@@ -123,7 +126,12 @@ INSTANTIATE_TEST_SUITE_P(
                       Sample{"alphapose_open", "alphapose", 18, 7, 0}, Sample{"alphapose_cmu", "alphapose", 18, 7, 0},
                       Sample{"alphapose_sep", "alphapose", 18, 7, 0}, Sample{"mmpose_video", "mmpose", 17, 9, 1},
                       Sample{"mmpose_demo", "mmpose", 17, 9, 1}, Sample{"mmpose_images", "mmpose", 17, 9, 1},
-                      Sample{"coco", "coco", 17, 9, 1}),
+                      Sample{"coco", "coco", 17, 9, 1}, Sample{"mmpose_133", "mmpose", 23, 9, 1},
+                      Sample{"deeplabcut", "deeplabcut", 17, 9, 0}, Sample{"deeplabcut_table", "deeplabcut", 17, 9, 0},
+                      Sample{"deeplabcut_fixed", "deeplabcut", 17, 9, 0}, Sample{"sleap", "sleap", 17, 9, 0},
+                      Sample{"sleap_standard", "sleap", 17, 9, 0}, Sample{"mediapipe_json", "mediapipe", 33, 15, 0},
+                      Sample{"ultralytics_txt", "ultralytics", 17, 9, 1},
+                      Sample{"ultralytics_json", "ultralytics", 17, 9, 0}),
     [](const auto& sample) { return std::string(sample.param.folder); });
 
 TEST(Formats, FormsOfOneDetectorAgree) {
@@ -134,6 +142,10 @@ TEST(Formats, FormsOfOneDetectorAgree) {
   ExpectSame(ReadAll("mmpose", all / "mmpose_video"), ReadAll("mmpose", all / "mmpose_demo"));
   ExpectSame(ReadAll("mmpose", all / "mmpose_video"), ReadAll("mmpose", all / "mmpose_images"));
   ExpectSame(ReadAll("mmpose", all / "mmpose_video"), ReadAll("coco", all / "coco"));
+  ExpectSame(ReadAll("deeplabcut", all / "deeplabcut"), ReadAll("deeplabcut", all / "deeplabcut_table"));
+  ExpectSame(ReadAll("deeplabcut", all / "deeplabcut"), ReadAll("deeplabcut", all / "deeplabcut_fixed"));
+  ExpectSame(ReadAll("deeplabcut", all / "deeplabcut"), ReadAll("sleap", all / "sleap"));
+  ExpectSame(ReadAll("deeplabcut", all / "deeplabcut"), ReadAll("sleap", all / "sleap_standard"));
 }
 
 TEST(Formats, CamerasAreNamedByTheFileOrFolderThatDiffers) {

@@ -47,8 +47,7 @@ void Reorder(KeypointClip& clip, const std::vector<std::string>& joints, const s
   for (const std::string& joint : joints) {
     const std::optional<std::size_t> index = PlaceOf(names, joint);
     if (!index) {
-      ThrowBadInput({clip.path, "", fmt::format("joint {} of {}", joint, layout),
-                     "the joints " + ListNames(names),
+      ThrowBadInput({clip.path, "", fmt::format("joint {} of {}", joint, layout), "the joints " + ListNames(names),
                      "give all cameras files of one model, and a skeleton whose joints have the names in the files"});
     }
     source.push_back(*index);
@@ -141,8 +140,7 @@ Skeleton OwnLayout(std::vector<KeypointClip>& clips) {
                      "keypoints without names", "all cameras must come from one detector"});
     }
     if (clip.layout->joints.size() != own.joints.size()) {
-      ThrowBadInput({clip.path, "",
-                     fmt::format("{} joints as in camera {}", own.joints.size(), clips.front().name),
+      ThrowBadInput({clip.path, "", fmt::format("{} joints as in camera {}", own.joints.size(), clips.front().name),
                      fmt::format("{} in camera {}", clip.layout->joints.size(), clip.name),
                      "all cameras must come from one detector"});
     }
@@ -174,7 +172,8 @@ Skeleton GivenLayout(std::vector<KeypointClip>& clips, const std::string& file) 
       }
     } else if (clip.keypoint_count != layout.joint_count()) {
       ThrowBadInput({clip.path, "", fmt::format("{} keypoints for the skeleton {}", layout.joint_count(), file),
-                     fmt::format("{}", clip.keypoint_count), "describe the joints that the files have, in their order"});
+                     fmt::format("{}", clip.keypoint_count),
+                     "describe the joints that the files have, in their order"});
     }
   }
   return layout;
@@ -187,8 +186,7 @@ Skeleton LayoutOf(std::vector<KeypointClip>& clips, const std::string& requested
   if (IsSkeletonFile(requested)) return GivenLayout(clips, requested);
   const bool is_builtin = FindSkeleton(requested) != nullptr;
   if (clips.front().layout && !is_builtin) return OwnLayout(clips);
-  if (!requested.empty() && !is_builtin && known != nullptr &&
-      known->joint_count() == clips.front().keypoint_count) {
+  if (!requested.empty() && !is_builtin && known != nullptr && known->joint_count() == clips.front().keypoint_count) {
     return *known;
   }
   const Skeleton& landmarks = MediapipeLayout();

@@ -14,11 +14,12 @@ namespace canonpose {
 /// - `requested` is a file (skeleton_json.h): that skeleton. Where the clips name their joints, they are taken by name,
 ///   and those that the skeleton lacks are left out, which is reported.
 /// - It is a built-in layout: that one, after CheckLayout().
-/// - It is empty, or the name of the clips' own layout: what the clips say. Where they do not name the bones, joints are
+/// - It is empty, or the name of the clips' own layout: what the clips say. Where they do not name the bones, joints
+/// are
 ///   connected by the shortest tree through them, which is reported. Where they say nothing, CheckLayout() decides.
-/// `known` is a skeleton from an earlier import, or null: where `requested` is none of these, clips that do not name their
-/// joints are in its order. Throws Error(kBadInput) where joints are missing or counts differ, Error(kInvalidArgument) for
-/// an unknown name.
+/// `known` is a skeleton from an earlier import, or null: where `requested` is none of these, clips that do not name
+/// their joints are in its order. Throws Error(kBadInput) where joints are missing or counts differ,
+/// Error(kInvalidArgument) for an unknown name.
 Skeleton LayoutOf(std::vector<KeypointClip>& clips, const std::string& requested, const Skeleton* known = nullptr);
 
 /// Throws Error(kInvalidArgument) where no layout has this name and it is no file of a skeleton.

@@ -27,10 +27,11 @@ using testing::TemporaryFolder;
 using testing::TestData;
 
 /// A mouse that turns on the floor, as two cameras see it.
-KeypointClip Mouse(const std::string& camera, std::vector<std::string> names = {"left ear", "right ear", "nose", "neck",
-                                                                                 "tail base"}) {
-  const std::vector<std::pair<std::string, std::array<float, 2>>> body{
-      {"left ear", {-8, 20}}, {"right ear", {8, 20}}, {"nose", {0, 36}}, {"neck", {0, 6}}, {"tail base", {0, -50}}, {"corner", {70, 70}}};
+KeypointClip Mouse(const std::string& camera,
+                   std::vector<std::string> names = {"left ear", "right ear", "nose", "neck", "tail base"}) {
+  const std::vector<std::pair<std::string, std::array<float, 2>>> body{{"left ear", {-8, 20}},  {"right ear", {8, 20}},
+                                                                       {"nose", {0, 36}},       {"neck", {0, 6}},
+                                                                       {"tail base", {0, -50}}, {"corner", {70, 70}}};
   KeypointClip clip;
   clip.name = clip.path = camera;
   clip.keypoint_count = static_cast<int>(names.size());
@@ -73,10 +74,12 @@ TEST(LayoutOf, CamerasMayHaveTheJointsInAnotherOrder) {
   EXPECT_EQ(clips[0].keypoints, clips[1].keypoints);
   EXPECT_EQ(clips[1].layout->joints, clips[0].layout->joints);
   std::vector<KeypointClip> others{Mouse("a"), Mouse("b", {"nose", "tail base", "neck", "right ear", "corner"})};
-  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { LayoutOf(others, ""); }),
-              HasSubstr("b: expected joint left ear of camera a, found the joints nose, tail base, neck, right ear, corner"));
+  EXPECT_THAT(
+      ErrorOf(ErrorKind::kBadInput, [&] { LayoutOf(others, ""); }),
+      HasSubstr("b: expected joint left ear of camera a, found the joints nose, tail base, neck, right ear, corner"));
   std::vector<KeypointClip> fewer{Mouse("a"), Mouse("b", {"nose", "neck"})};
-  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { LayoutOf(fewer, ""); }), HasSubstr("expected 5 joints as in camera a, found 2"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { LayoutOf(fewer, ""); }),
+              HasSubstr("expected 5 joints as in camera a, found 2"));
 }
 
 TEST(LayoutOf, AUsersSkeletonChoosesJointsByName) {
@@ -93,7 +96,8 @@ TEST(LayoutOf, AUsersSkeletonChoosesJointsByName) {
   EXPECT_EQ(clips[0].keypoints[0], tail[0]);
   EXPECT_THAT(messages.text(), HasSubstr("are left out: left ear, right ear"));
   WriteFileAtomically(file, R"({"joints":["tail base","wing"],"parents":[-1,0]})");
-  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { LayoutOf(clips, file.string()); }), HasSubstr("expected joint wing of"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { LayoutOf(clips, file.string()); }),
+              HasSubstr("expected joint wing of"));
   // Files that name nothing are taken in the skeleton's order.
   for (KeypointClip& clip : clips) clip.layout.reset();
   WriteFileAtomically(file, R"({"joints":["a","b","c"],"parents":[-1,0,1]})");
@@ -187,8 +191,9 @@ TEST(ImportOfOwnLayouts, PeoplesJointsAreMappedAndTheRestIsSaid) {
   const CollectedMessages messages;
   const Dataset landmarks = ImportDetections(Options("mediapipe", TestData("detections/mediapipe_csv")));
   EXPECT_EQ(landmarks.skeleton.name, "h36m-17");
-  EXPECT_THAT(messages.text(), AllOf(HasSubstr("18 of 33 keypoints have no place in h36m-17 and are left out (LEyeInner"),
-                                     HasSubstr("LPinky"), HasSubstr("`skeleton` native keeps them")));
+  EXPECT_THAT(messages.text(),
+              AllOf(HasSubstr("18 of 33 keypoints have no place in h36m-17 and are left out (LEyeInner"),
+                    HasSubstr("LPinky"), HasSubstr("`skeleton` native keeps them")));
   ImportOptions options = Options("mediapipe", TestData("detections/mediapipe_csv"));
   options.skeleton = "native";
   EXPECT_EQ(ImportDetections(options).skeleton.joints, MediapipeLayout().joints);
@@ -210,8 +215,10 @@ TEST(ImportOfOwnLayouts, CocosFeetStandBesideTheBody) {
   fs::create_directories(folder / "in");
   for (const char* const camera : {"a", "b"}) {
     std::string text = ReadFile(TestData("detections/coco") / (std::string(camera) + ".json"));
-    const std::string feet = R"("foot_kpts":[300,400,0.5,301,400,0.5,302,400,0.5,303,400,0.5,304,400,0.5,305,400,0.5],"keypoints")";
-    for (std::size_t at = text.find("\"keypoints\""); at != std::string::npos; at = text.find("\"keypoints\"", at + feet.size()))
+    const std::string feet =
+        R"("foot_kpts":[300,400,0.5,301,400,0.5,302,400,0.5,303,400,0.5,304,400,0.5,305,400,0.5],"keypoints")";
+    for (std::size_t at = text.find("\"keypoints\""); at != std::string::npos;
+         at = text.find("\"keypoints\"", at + feet.size()))
       text.replace(at, 11, feet);
     WriteFileAtomically(folder / "in" / (std::string(camera) + ".json"), text);
   }

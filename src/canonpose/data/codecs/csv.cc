@@ -94,8 +94,8 @@ class Splitter {
 /// Nothing where the cell is no number.
 std::optional<double> ParseNumber(std::string_view cell) {
   static constexpr std::array<std::string_view, 6> kMissing{"", "nan", "na", "null", "none", "-nan"};
-  const bool is_missing = std::any_of(kMissing.begin(), kMissing.end(),
-                                      [&](std::string_view missing) { return SameName(cell, missing); });
+  const bool is_missing =
+      std::any_of(kMissing.begin(), kMissing.end(), [&](std::string_view missing) { return SameName(cell, missing); });
   if (is_missing) return std::numeric_limits<double>::quiet_NaN();
   if (cell.front() == '+') cell.remove_prefix(1);
   double value = 0.0;
@@ -122,7 +122,8 @@ std::vector<CsvRow> ReadCsv(const std::filesystem::path& path) {
   std::vector<CsvRow> rows;
   for (Splitter splitter(text, file); !splitter.at_end();) {
     CsvRow row = splitter.Next();
-    const bool is_empty = std::all_of(row.cells.begin(), row.cells.end(), [](const auto& cell) { return cell.empty(); });
+    const bool is_empty =
+        std::all_of(row.cells.begin(), row.cells.end(), [](const auto& cell) { return cell.empty(); });
     if (!is_empty) rows.push_back(std::move(row));
   }
   if (rows.empty()) ThrowBadInput({file, "", "a table of text (csv)", "an empty file", "export it again"});

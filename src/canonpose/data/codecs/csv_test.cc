@@ -28,7 +28,9 @@ std::string RowsError(const std::string& text) {
 }
 
 TEST(Csv, CellsMayBeQuotedAndLinesEndInAnyWay) {
-  const std::vector<CsvRow> rows = Rows("\xEF\xBB\xBF" "a, \"b,\"\"c\"\"\" ,\r\n\n,,\n1,2\n\"x\ny\",3");
+  const std::vector<CsvRow> rows = Rows(
+      "\xEF\xBB\xBF"
+      "a, \"b,\"\"c\"\"\" ,\r\n\n,,\n1,2\n\"x\ny\",3");
   ASSERT_EQ(rows.size(), 3U);
   EXPECT_THAT(rows[0].cells, ElementsAre("a", "b,\"c\"", ""));
   EXPECT_THAT(rows[1].cells, ElementsAre("1", "2"));

@@ -62,7 +62,11 @@ TEST(FractionsToPixels, NeedTheSizeOfTheImage) {
   camera.frames.resize(2);
   camera.frames[1].people.push_back({{0.5F, -0.25F, NAN, NAN}, {1.0F, 0.0F}, std::nullopt, 0.0});
   EXPECT_EQ(LargestCoordinate(camera), 0.5F);
-  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { FractionsToPixels(camera, {0, 0}); }), HasSubstr("give `image_size`"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput,
+                      [&] {
+                        FractionsToPixels(camera, {0, 0});
+                      }),
+              HasSubstr("give `image_size`"));
   FractionsToPixels(camera, {200, 100});
   EXPECT_EQ(camera.frames[1].people[0].keypoints[0], 100.0F);
   EXPECT_EQ(camera.frames[1].people[0].keypoints[1], -25.0F);

@@ -123,7 +123,8 @@ std::vector<Individual> IndividualsOf(const Table& table, const std::string& fil
                                                : header.back() == "likelihood" ? &columns.likelihood
                                                                                : nullptr;
     if (target == nullptr || target->has_value()) {
-      ThrowBadInput({file, fmt::format("column \"{}\"", fmt::join(header, ", ")), "one x, y and likelihood of each body part",
+      ThrowBadInput({file, fmt::format("column \"{}\"", fmt::join(header, ", ")),
+                     "one x, y and likelihood of each body part",
                      target == nullptr ? "\"" + header.back() + "\"" : header.back() + " twice",
                      "3D results and other tables are not 2D keypoints"});
     }
@@ -132,7 +133,8 @@ std::vector<Individual> IndividualsOf(const Table& table, const std::string& fil
   for (const Individual& individual : individuals) {
     for (std::size_t j = 0; j < individual.joints.size(); ++j) {
       if (individual.columns[j].x && individual.columns[j].y) continue;
-      ThrowBadInput({file, "", fmt::format("x and y of {}", individual.joints[j]), "only one of them", kDeepLabCutAdvice});
+      ThrowBadInput(
+          {file, "", fmt::format("x and y of {}", individual.joints[j]), "only one of them", kDeepLabCutAdvice});
     }
   }
   return individuals;
@@ -141,9 +143,8 @@ std::vector<Individual> IndividualsOf(const Table& table, const std::string& fil
 /// Leaves out individuals that do not have the body parts of the first one that has several.
 void KeepOneKind(std::vector<Individual>& individuals, const std::string& camera) {
   const auto first =
-      std::max_element(individuals.begin(), individuals.end(), [](const Individual& a, const Individual& b) {
-        return a.joints.size() < b.joints.size();
-      });
+      std::max_element(individuals.begin(), individuals.end(),
+                       [](const Individual& a, const Individual& b) { return a.joints.size() < b.joints.size(); });
   const std::vector<std::string> joints = first->joints;
   std::vector<std::string> left_out;
   for (const Individual& individual : individuals) {
@@ -214,7 +215,8 @@ bool IsDeepLabCutFile(const fs::path& file) {
 
 std::vector<CameraInput> FindDeepLabCutCameras(const fs::path& path) {
   return FindCameraFiles(
-      path, {{".h5", ".hdf5", ".csv"}, "a csv or h5 file of DeepLabCut for each camera", IsDeepLabCutFile, DeepLabCutVideo});
+      path,
+      {{".h5", ".hdf5", ".csv"}, "a csv or h5 file of DeepLabCut for each camera", IsDeepLabCutFile, DeepLabCutVideo});
 }
 
 DetectedCamera ReadDeepLabCut(const CameraInput& input) {

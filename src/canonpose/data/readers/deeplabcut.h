@@ -15,8 +15,8 @@ std::vector<CameraInput> FindDeepLabCutCameras(const std::filesystem::path& path
 
 /// Reads one camera. The header has a row each for the scorer, individuals (if there are several), body parts and
 /// coordinates (x, y, and likelihood where a network wrote it: the confidence, otherwise 1). The layout is that of the
-/// body parts; each individual is a track. Individuals with other body parts ("single") are left out, which is reported.
-/// Frames have the row's number, or that in the name of the row's image. Throws Error(kBadInput).
+/// body parts; each individual is a track. Individuals with other body parts ("single") are left out, which is
+/// reported. Frames have the row's number, or that in the name of the row's image. Throws Error(kBadInput).
 DetectedCamera ReadDeepLabCut(const CameraInput& input);
 
 /// Whether a file is one, by its first bytes.

@@ -1,7 +1,5 @@
 // Tables that pandas wrote to HDF5 by way of PyTables: format="table" (one array of records, the columns' names in a
 // pickled attribute) and format="fixed" (levels and codes of the columns' names, and a block of values).
-#include "canonpose/data/readers/deeplabcut.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +8,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/hdf5.h"
 #include "canonpose/data/codecs/pickle.h"
+#include "canonpose/data/readers/deeplabcut.h"
 
 namespace canonpose::deeplabcut {
 namespace {
@@ -69,11 +68,13 @@ std::vector<std::string> LevelTexts(const h5::Group& group, const std::string& a
 /// The index of the rows: numbers, names of images, or folder, video and image in three levels.
 std::vector<std::string> FixedIndex(const h5::Group& group) {
   if (group.HasAttribute("axis1_nlevels")) {
-    return LevelTexts(group, "axis1", static_cast<int>(std::clamp<std::int64_t>(group.GetInt("axis1_nlevels"), 1, 9)) - 1);
+    return LevelTexts(group, "axis1",
+                      static_cast<int>(std::clamp<std::int64_t>(group.GetInt("axis1_nlevels"), 1, 9)) - 1);
   }
   try {
     std::vector<std::string> frames;
-    for (const std::int64_t number : group.Read<std::int64_t>("axis1").values) frames.push_back(fmt::format("{}", number));
+    for (const std::int64_t number : group.Read<std::int64_t>("axis1").values)
+      frames.push_back(fmt::format("{}", number));
     return frames;
   } catch (const Error&) {
     return group.ReadTexts("axis1");
@@ -84,8 +85,8 @@ Table ReadFixedForm(const h5::Group& group) {
   constexpr int kMostLevels = 4;
   const std::int64_t levels = group.HasAttribute("axis0_nlevels") ? group.GetInt("axis0_nlevels") : 1;
   if (levels < 2 || levels > kMostLevels) {
-    group.Fail("axis0", "columns named by scorer, body part and coordinate", fmt::format("{} level(s) of names", levels),
-               kAdvice);
+    group.Fail("axis0", "columns named by scorer, body part and coordinate",
+               fmt::format("{} level(s) of names", levels), kAdvice);
   }
   if (group.GetInt("nblocks") != 1) group.Fail("", "one block of values", kSeveralBlocks, kAdvice);
   Table table;
@@ -131,8 +132,8 @@ Table ReadHdf5(const std::filesystem::path& path) {
     group.Fail("", "columns named by scorer, body part and coordinate", "other columns", kAdvice);
   }
   const std::size_t levels = table.header.front().size();
-  const bool is_even = std::all_of(table.header.begin(), table.header.end(),
-                                   [&](const auto& names) { return names.size() == levels; });
+  const bool is_even =
+      std::all_of(table.header.begin(), table.header.end(), [&](const auto& names) { return names.size() == levels; });
   if (!is_even || levels > 4 || table.values.size() != table.frames.size() * table.header.size()) {
     group.Fail("", "the same levels of names for every column, and a value for each row and column", "others", kAdvice);
   }

@@ -112,14 +112,15 @@ TEST(DeepLabCut, CamerasAreFilesOrFolders) {
 
 TEST(DeepLabCut, WrongTablesAreRefused) {
   const auto error = [](const std::string& text) { return ReadTextError("deeplabcut", "a.csv", text); };
-  EXPECT_THAT(error("frame,x,y\n0,1,2\n"), AllOf(HasSubstr("a.csv: line 1: expected DeepLabCut's header"),
-                                                 HasSubstr("found \"frame,x,y\"")));
+  EXPECT_THAT(error("frame,x,y\n0,1,2\n"),
+              AllOf(HasSubstr("a.csv: line 1: expected DeepLabCut's header"), HasSubstr("found \"frame,x,y\"")));
   EXPECT_THAT(error(""), HasSubstr("found an empty file"));
   EXPECT_THAT(error(kHeader), HasSubstr("expected detections of a person, found no frames"));
   EXPECT_THAT(error(kHeader + "0,,,,,,\n"), HasSubstr("nobody in any of 1 frames"));
   EXPECT_THAT(error(kHeader + "0,1,2\n"), HasSubstr("line 4: expected 7 cells as in the header, found 3"));
   EXPECT_THAT(error(kHeader + "0,1,2,0.5,x,4,0.25\n"), HasSubstr("line 4, column 5: expected a number, found \"x\""));
-  EXPECT_THAT(error(kHeader + "0,1,2,0.5,3,4,0.25\n0,1,2,0.5,3,4,0.25\n"), HasSubstr("line 4 and line 5, both frame 0"));
+  EXPECT_THAT(error(kHeader + "0,1,2,0.5,3,4,0.25\n0,1,2,0.5,3,4,0.25\n"),
+              HasSubstr("line 4 and line 5, both frame 0"));
   EXPECT_THAT(error("scorer,n,n,n\nbodyparts,a,a,a\ncoords,x,y,z\n0,1,2,3\n"), HasSubstr("found \"z\""));
   EXPECT_THAT(error("scorer,n,n,n\nbodyparts,a,a,a\ncoords,x,y,x\n0,1,2,3\n"), HasSubstr("x twice"));
   EXPECT_THAT(error("scorer,n,n,n\nbodyparts,a,a,b\ncoords,x,y,x\n0,1,2,3\n"), HasSubstr("x and y of b"));
@@ -134,9 +135,9 @@ TEST(DeepLabCut, OtherHdf5FilesAreRefused) {
   h5::File empty = h5::File::CreateAt(folder / "empty.h5");
   empty.Commit();
   EXPECT_THAT(error("empty.h5"), HasSubstr("expected DeepLabCut's table, as pandas writes it, found an empty file"));
-  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput,
-                      [] { ReadCameras("deeplabcut", TestData("detections/sleap/cam1.analysis.h5")); }),
-              HasSubstr("expected DeepLabCut's table, as pandas writes it, found edge_inds and "));
+  EXPECT_THAT(
+      ErrorOf(ErrorKind::kBadInput, [] { ReadCameras("deeplabcut", TestData("detections/sleap/cam1.analysis.h5")); }),
+      HasSubstr("expected DeepLabCut's table, as pandas writes it, found edge_inds and "));
   WriteFileAtomically(folder / "text.h5", kHeader);
   EXPECT_THAT(error("text.h5"), HasSubstr("expected a readable HDF5 file, found another format"));
   h5::File other = h5::File::CreateAt(folder / "other.h5");

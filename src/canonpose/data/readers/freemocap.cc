@@ -98,7 +98,8 @@ fs::path ArrayAt(const fs::path& path) {
   }
   std::string found = DescribeFolder(path);
   if (found == kNoJsonFile) found = "none";
-  ThrowBadInput({path.string(), "", "FreeMoCap's 2D points (a .npy file with 2d in its name)", found, kFreemocapAdvice});
+  ThrowBadInput(
+      {path.string(), "", "FreeMoCap's 2D points (a .npy file with 2d in its name)", found, kFreemocapAdvice});
 }
 
 /// The names of the session's videos, in order, where there are `count`.
@@ -109,7 +110,8 @@ std::vector<std::string> CameraNames(const fs::path& array, std::size_t count) {
     const fs::path videos = folder / "synchronized_videos";
     if (!fs::is_directory(videos, error)) continue;
     std::vector<std::string> names;
-    for (const fs::path& file : FilesIn(videos, {".mp4", ".avi", ".mov", ".mkv"})) names.push_back(file.stem().string());
+    for (const fs::path& file : FilesIn(videos, {".mp4", ".avi", ".mov", ".mkv"}))
+      names.push_back(file.stem().string());
     if (names.size() == count) return names;
   }
   std::vector<std::string> names;
@@ -125,7 +127,8 @@ std::size_t PartOf(const CameraInput& input, std::size_t cameras) {
     CANONPOSE_CHECK(error == std::errc() && rest == end, "part {}", input.part);
   }
   if (part >= cameras) {
-    ThrowBadInput({input.path.string(), "", fmt::format("camera {}", part), fmt::format("{} cameras", cameras), kFreemocapAdvice});
+    ThrowBadInput({input.path.string(), "", fmt::format("camera {}", part), fmt::format("{} cameras", cameras),
+                   kFreemocapAdvice});
   }
   return part;
 }

@@ -29,7 +29,8 @@ std::string Array(const std::vector<std::size_t>& shape, const std::vector<doubl
 }
 
 /// (cameras, 2 frames, points, width): point k of camera c at (10 c + k, 5), the third value `third`.
-std::string Session(std::size_t cameras, std::size_t points, std::size_t width, double third = -7.0, double scale = 1.0) {
+std::string Session(std::size_t cameras, std::size_t points, std::size_t width, double third = -7.0,
+                    double scale = 1.0) {
   std::vector<double> values;
   for (std::size_t c = 0; c < cameras; ++c) {
     for (int t = 0; t < 2; ++t) {
@@ -99,7 +100,8 @@ TEST(Freemocap, ASessionsFolderNamesTheCameras) {
   fs::create_directories(folder / "synchronized_videos");
   fs::create_directories(folder / "output_data/raw_data");
   WriteFileAtomically(folder / "output_data/raw_data/mediapipe2dData_numCams.npy", Session(2, 33, 2));
-  WriteFileAtomically(folder / "output_data/raw_data/mediapipe3dData_numFrames.npy", Array({2, 33, 3}, std::vector<double>(198)));
+  WriteFileAtomically(folder / "output_data/raw_data/mediapipe3dData_numFrames.npy",
+                      Array({2, 33, 3}, std::vector<double>(198)));
   for (const char* const camera : {"left", "right"})
     WriteFileAtomically(folder / "synchronized_videos" / (std::string(camera) + ".mp4"), "x");
   const std::vector<CameraInput> cameras = FindFreemocapCameras(folder.path());

@@ -55,7 +55,8 @@ void RefuseWorldLandmarks(DetectedCamera& camera) {
   std::vector<float> distances;
   ForEachPerson(camera, [&](const DetectedPerson& person) {
     const std::vector<float>& points = person.keypoints;
-    const float distance = std::hypot(points[2 * left] + points[2 * right], points[2 * left + 1] + points[2 * right + 1]);
+    const float distance =
+        std::hypot(points[2 * left] + points[2 * right], points[2 * left + 1] + points[2 * right + 1]);
     if (!std::isnan(distance)) distances.push_back(0.5F * distance);
   });
   if (distances.empty() || MedianOf(distances) > kHipsAtOrigin) return;
@@ -85,8 +86,8 @@ void DropOutside(DetectedCamera& camera) {
     });
   }
   if (outside == 0) return;
-  LogInfo("{}: {:.1f} % of the landmarks lie outside the image, where MediaPipe guesses; they are left out", camera.name,
-          100.0 * static_cast<double>(outside) / static_cast<double>(seen));
+  LogInfo("{}: {:.1f} % of the landmarks lie outside the image, where MediaPipe guesses; they are left out",
+          camera.name, 100.0 * static_cast<double>(outside) / static_cast<double>(seen));
   if (outside == seen) {
     ThrowBadInput({camera.path, "", "landmarks in the image, as fractions of it", "none between 0 and 1",
                    "dump x and y as MediaPipe gives them"});
@@ -100,8 +101,10 @@ std::vector<CameraInput> FindMediapipeCameras(const fs::path& path) {
   if (!fs::is_directory(path, error)) return {{CameraNameOf(path), path}};
   const std::vector<fs::path> folders = FoldersIn(path);
   if (HasText(path) || std::any_of(folders.begin(), folders.end(), HasText)) {
-    return FindCameraFiles(path, {{".csv"}, "a csv file of landmarks for each camera",
-                                  [](const fs::path& file) { return !IsDeepLabCutFile(file); }, CameraNameOf});
+    return FindCameraFiles(path, {{".csv"},
+                                  "a csv file of landmarks for each camera",
+                                  [](const fs::path& file) { return !IsDeepLabCutFile(file); },
+                                  CameraNameOf});
   }
   return FindFileCameras(path, [](const fs::path& file) {
     const char first = FirstCharacter(file);
@@ -145,12 +148,12 @@ DetectedCamera ReadMediapipe(const CameraInput& input) {
 }
 
 bool LooksLikeMediapipe(const JsonValue& root) {
-  if (mediapipe::IsFrame(root)) return true;
+  if (mediapipe::IsTypicalFrame(root)) return true;
   constexpr std::size_t kFramesToTry = 1000;
   const JsonValue list = root.Has("frames") ? root["frames"] : root;
   if (list.json().is_array()) {
     for (std::size_t i = 0; i < std::min(list.ArraySize(), kFramesToTry); ++i) {
-      if (mediapipe::IsFrame(list.At(i))) return true;
+      if (mediapipe::IsTypicalFrame(list.At(i))) return true;
     }
     return false;
   }
@@ -158,7 +161,8 @@ bool LooksLikeMediapipe(const JsonValue& root) {
   const std::vector<std::string> keys = list.Keys();
   return std::any_of(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(std::min(keys.size(), kFramesToTry)),
                      [&](const std::string& key) {
-                       return key.find_first_not_of("0123456789") == std::string::npos && mediapipe::IsFrame(list[key]);
+                       return key.find_first_not_of("0123456789") == std::string::npos &&
+                              mediapipe::IsTypicalFrame(list[key]);
                      });
 }
 

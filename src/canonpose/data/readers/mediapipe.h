@@ -15,8 +15,10 @@ class JsonValue;
 std::vector<CameraInput> FindMediapipeCameras(const std::filesystem::path& path);
 
 /// Reads one camera, in the layout mediapipe-33.
-/// - csv: a row per frame, with columns named after landmark and axis (x0, y0, z0, v0 or NOSE_x, ...), or without a header;
-///   or a row per landmark, with columns frame, landmark, x, y. A column "frame" numbers the frames, otherwise the rows do.
+/// - csv: a row per frame, with columns named after landmark and axis (x0, y0, z0, v0 or NOSE_x, ...), or without a
+/// header;
+///   or a row per landmark, with columns frame, landmark, x, y. A column "frame" numbers the frames, otherwise the rows
+///   do.
 /// - JSON: a list of frames, an object of frames by number, or {frames: [...]}. A frame is a list of landmarks ({x, y,
 ///   z, visibility} or [x, y, z, visibility]), several such lists, an object with one in pose_landmarks, landmarks or
 ///   keypoints, or null. pose_world_landmarks, which are metres, are not read.
@@ -34,8 +36,10 @@ namespace mediapipe {
 void ReadText(const std::filesystem::path& path, CameraBuilder& builder);
 /// Adds the frames of a JSON file; returns false where it has none.
 bool ReadJson(const JsonValue& root, CameraBuilder& builder);
-/// Whether the file is one frame.
+/// Whether JSON is one frame.
 bool IsFrame(const JsonValue& root);
+/// Whether it is one in a form that no other detector's files have.
+bool IsTypicalFrame(const JsonValue& root);
 
 }  // namespace mediapipe
 

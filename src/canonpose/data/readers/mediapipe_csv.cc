@@ -1,10 +1,8 @@
 // MediaPipe's landmarks as csv: a row per frame, or a row per landmark.
-#include "canonpose/data/readers/mediapipe.h"
-
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -17,6 +15,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/names.h"
 #include "canonpose/data/codecs/csv.h"
+#include "canonpose/data/readers/mediapipe.h"
 #include "canonpose/data/readers/mediapipe_layout.h"
 
 namespace canonpose::mediapipe {
@@ -26,7 +25,8 @@ namespace fs = std::filesystem;
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kTableAdvice =
-    "write a row per frame with columns frame, x0, y0, z0, v0, ..., x32, y32, z32, v32, or a row per landmark with columns "
+    "write a row per frame with columns frame, x0, y0, z0, v0, ..., x32, y32, z32, v32, or a row per landmark with "
+    "columns "
     "frame, landmark, x, y, z, visibility";
 
 enum class Axis { kX, kY, kConfidence, kOther };
@@ -56,8 +56,8 @@ bool IsAny(std::string_view text, std::initializer_list<std::string_view> names)
 }
 
 bool IsFrameName(std::string_view name) {
-  return IsAny(name, {"frame", "frame_id", "frame id", "frameid", "frame_number", "frame number", "frame_num", "frame_no",
-                      "frame_idx", "frame_index", "frames", "image", "filename", "file", "file_name"});
+  return IsAny(name, {"frame", "frame_id", "frame id", "frameid", "frame_number", "frame number", "frame_num",
+                      "frame_no", "frame_idx", "frame_index", "frames", "image", "filename", "file", "file_name"});
 }
 
 /// Where the values of each landmark are.
@@ -116,7 +116,8 @@ std::vector<std::optional<int>> LandmarksOf(const std::vector<std::string>& text
   const int first = lowest == 1 && highest == static_cast<int>(kMediapipePoints) ? 1 : 0;
   for (std::size_t i = 0; i < texts.size(); ++i) {
     const std::optional<int> number = numbers[i];
-    if (number && *number >= first && *number - first < static_cast<int>(kMediapipePoints)) landmarks[i] = *number - first;
+    if (number && *number >= first && *number - first < static_cast<int>(kMediapipePoints))
+      landmarks[i] = *number - first;
   }
   return landmarks;
 }
@@ -169,8 +170,8 @@ std::optional<std::pair<Columns, bool>> ColumnsByCount(std::size_t count) {
 }
 
 /// The frame that a cell names, by number or as an image; `number` where there is no such column.
-DetectedFrame& FrameOf(CameraBuilder& builder, const CsvRow& row, std::optional<std::size_t> column, std::int64_t number,
-                       const std::string& file, bool is_shared) {
+DetectedFrame& FrameOf(CameraBuilder& builder, const CsvRow& row, std::optional<std::size_t> column,
+                       std::int64_t number, const std::string& file, bool is_shared) {
   // The place serves as the frame's name, so that two rows with one number are noticed where there is one row a frame.
   const std::string name = is_shared ? "" : row.place();
   if (!column) return builder.Frame(number, name, file, row.place());
@@ -184,8 +185,8 @@ DetectedFrame& FrameOf(CameraBuilder& builder, const CsvRow& row, std::optional<
   return builder.Frame(static_cast<std::int64_t>(value), name, file, row.place());
 }
 
-void AddPerson(DetectedFrame& frame, const std::vector<double>& triples, CameraBuilder& builder, const std::string& file,
-               const std::string& place) {
+void AddPerson(DetectedFrame& frame, const std::vector<double>& triples, CameraBuilder& builder,
+               const std::string& file, const std::string& place) {
   std::optional<DetectedPerson> person = PersonFromNamedTriples(triples);
   if (person) builder.Add(frame, std::move(*person), file, place);
 }
@@ -193,8 +194,7 @@ void AddPerson(DetectedFrame& frame, const std::vector<double>& triples, CameraB
 void ReadWide(const std::vector<CsvRow>& rows, std::size_t first, const Columns& columns,
               std::optional<std::size_t> frame_column, CameraBuilder& builder, const std::string& file) {
   for (std::size_t i = first; i < rows.size(); ++i) {
-    DetectedFrame& frame =
-        FrameOf(builder, rows[i], frame_column, static_cast<std::int64_t>(i - first), file, false);
+    DetectedFrame& frame = FrameOf(builder, rows[i], frame_column, static_cast<std::int64_t>(i - first), file, false);
     std::vector<double> triples;
     for (const LandmarkColumns& landmark : columns) {
       const double confidence = landmark.confidence ? CsvNumber(rows[i], *landmark.confidence, file) : 1.0;
@@ -229,8 +229,9 @@ std::optional<LongColumns> FindLongColumns(const CsvRow& header) {
     if (axis == Axis::kConfidence) set(columns.confidence, column);
     if (IsFrameName(name)) set(columns.frame, column);
     if (IsAny(name, {"person", "person_id", "pose", "pose_id", "pose_index", "id_person"})) set(columns.person, column);
-    if (IsAny(name, {"landmark", "landmark_id", "landmark_index", "landmark_idx", "landmark_name", "landmark id",
-                     "landmark name", "keypoint", "keypoint_id", "joint", "point", "point_id", "name", "index", "id"})) {
+    if (IsAny(name,
+              {"landmark", "landmark_id", "landmark_index", "landmark_idx", "landmark_name", "landmark id",
+               "landmark name", "keypoint", "keypoint_id", "joint", "point", "point_id", "name", "index", "id"})) {
       set(columns.landmark, column);
     }
   }
@@ -280,7 +281,8 @@ void ReadLong(const std::vector<CsvRow>& rows, const LongColumns& columns, Camer
     if (!landmark) {
       if (texts[i - 1].empty() && std::isnan(x)) continue;  // a frame without a person
       ThrowBadInput({file, fmt::format("{}, column {}", row.place(), *columns.landmark + 1),
-                     "a landmark of MediaPipe, by number or name", "\"" + texts[i - 1].substr(0, 40) + "\"", kTableAdvice});
+                     "a landmark of MediaPipe, by number or name", "\"" + texts[i - 1].substr(0, 40) + "\"",
+                     kTableAdvice});
     }
     const double confidence = columns.confidence ? CsvNumber(row, *columns.confidence, file) : 1.0;
     people[&frame][CellOr(row, columns.person)].Add(static_cast<std::size_t>(*landmark), x, y, confidence, row, file);
@@ -304,9 +306,11 @@ void ReadText(const fs::path& path, CameraBuilder& builder) {
       ThrowBadInput({file, header.place(), fmt::format("2, 3 or 4 values of {} landmarks", kMediapipePoints),
                      fmt::format("{} values", header.cells.size()), kTableAdvice});
     }
-    return ReadWide(rows, 0, columns->first, columns->second ? std::optional<std::size_t>(0) : std::nullopt, builder, file);
+    return ReadWide(rows, 0, columns->first, columns->second ? std::optional<std::size_t>(0) : std::nullopt, builder,
+                    file);
   }
-  if (const std::optional<LongColumns> columns = FindLongColumns(header)) return ReadLong(rows, *columns, builder, file);
+  if (const std::optional<LongColumns> columns = FindLongColumns(header))
+    return ReadLong(rows, *columns, builder, file);
   const std::optional<Columns> columns = WideColumns(header, file);
   if (!columns) {
     std::vector<std::string> names = header.cells;

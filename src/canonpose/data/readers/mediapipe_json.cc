@@ -1,6 +1,4 @@
 // MediaPipe's landmarks as JSON, in the forms that scripts dump them.
-#include "canonpose/data/readers/mediapipe.h"
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -11,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "canonpose/data/codecs/json.h"
+#include "canonpose/data/readers/mediapipe.h"
 #include "canonpose/data/readers/mediapipe_layout.h"
 
 namespace canonpose::mediapipe {
@@ -25,7 +24,7 @@ constexpr const char* kAdvice =
 /// Under which a frame keeps its landmarks, the likeliest first.
 constexpr std::array<const char*, 8> kLandmarkKeys{"pose_landmarks", "poseLandmarks", "landmarks", "landmark",
                                                    "keypoints",      "pose",          "poses",     "people"};
-constexpr std::array<const char*, 8> kFrameKeys{"frame",     "frame_id",    "frame_number", "frame_idx",
+constexpr std::array<const char*, 8> kFrameKeys{"frame",      "frame_id",    "frame_number", "frame_idx",
                                                 "frameIndex", "frame_index", "frameNumber",  "index"};
 constexpr std::array<const char*, 4> kListKeys{"frames", "results", "data", "sequence"};
 
@@ -52,19 +51,17 @@ std::size_t FlatWidth(const JsonValue& value) {
   return 0;
 }
 
-/// Whether a value is the landmarks of one person: a list of them or of all their numbers, or an object of them by name.
+/// Whether a value is the landmarks of one person: a list of them or of all their numbers, or an object of them by
+/// name.
 bool IsPerson(const JsonValue& value) {
   if (value.json().is_array()) return value.ArraySize() > 0 && (IsLandmark(value.At(0)) || FlatWidth(value) > 0);
   if (!value.json().is_object()) return false;
   const std::vector<std::string> keys = value.Keys();
-  return std::any_of(keys.begin(), keys.end(), [&](const std::string& key) {
-    return FindLandmark(key).has_value() && IsLandmark(value[key]);
-  });
+  return std::any_of(keys.begin(), keys.end(),
+                     [&](const std::string& key) { return FindLandmark(key).has_value() && IsLandmark(value[key]); });
 }
 
-double NumberOr(const std::optional<JsonValue>& value, double otherwise) {
-  return value ? value->Number() : otherwise;
-}
+double NumberOr(const std::optional<JsonValue>& value, double otherwise) { return value ? value->Number() : otherwise; }
 
 /// x, y and confidence of a landmark.
 std::array<double, 3> PointOf(const JsonValue& landmark) {
@@ -152,7 +149,14 @@ bool IsWhole(const std::string& key) {
 }  // namespace
 
 bool IsFrame(const JsonValue& root) {
-  if (IsPerson(root)) return true;
+  return IsPerson(root) || (root.json().is_object() && FindAny(root, kLandmarkKeys)) ||
+         root.Has("pose_world_landmarks");
+}
+
+bool IsTypicalFrame(const JsonValue& root) {
+  if (IsPerson(root)) {
+    return root.json().is_object() || root.ArraySize() == kMediapipePoints || FlatWidth(root) > 0;
+  }
   // "keypoints" and "people" are other detectors', too.
   const std::optional<JsonValue> inside = FindAny(root, std::array{"pose_landmarks", "poseLandmarks", "landmarks"});
   return inside.has_value() || root.Has("pose_world_landmarks");
@@ -164,9 +168,7 @@ bool ReadJson(const JsonValue& root, CameraBuilder& builder) {
     if (list.json().is_array() || list.json().is_object()) return ReadJson(list, builder);
   }
   const std::string file_name = fs::path(root.file()).filename().string();
-  const bool is_single = IsPerson(root) || (root.json().is_object() && (FindAny(root, kLandmarkKeys) ||
-                                                                         root.Has("pose_world_landmarks")));
-  if (is_single) {
+  if (IsFrame(root)) {
     ReadPeople(root, builder.Frame(file_name, root.file(), ""), builder, kDepth);
     return true;
   }

@@ -41,9 +41,9 @@ std::string Values(int /*unused*/ = 0) {
   return Join([](int k) { return fmt::format("{},0.4,-0.1,0.5", 0.2 + 0.01 * k); });
 }
 std::string Objects() {
-  return "[" + Join([](int k) {
-           return fmt::format(R"({{"x":{},"y":0.4,"z":-0.1,"visibility":0.5}})", 0.2 + 0.01 * k);
-         }) + "]";
+  return "[" +
+         Join([](int k) { return fmt::format(R"({{"x":{},"y":0.4,"z":-0.1,"visibility":0.5}})", 0.2 + 0.01 * k); }) +
+         "]";
 }
 
 /// Frames 0 and 1 with that person, in an image of 100 x 200.
@@ -68,12 +68,13 @@ TEST(Mediapipe, TextInAllItsForms) {
     return Join([&](int k) { return fmt::format(fmt::runtime(form), k + first); });
   };
   const std::string frames = "0," + Values() + "\n1," + Values() + "\n";
-  for (const std::string& names :
-       {header("x{0},y{0},z{0},v{0}"), header("x{0},y{0},z{0},v{0}", 1), header("x_{0},y_{0},z_{0},vis_{0}"),
-        header("{0}_x,{0}_y,{0}_z,{0}_visibility"), header("landmark_{0}_X,landmark_{0}_Y,landmark_{0}_Z,landmark_{0}_V")}) {
+  for (const std::string& names : {header("x{0},y{0},z{0},v{0}"), header("x{0},y{0},z{0},v{0}", 1),
+                                   header("x_{0},y_{0},z_{0},vis_{0}"), header("{0}_x,{0}_y,{0}_z,{0}_visibility"),
+                                   header("landmark_{0}_X,landmark_{0}_Y,landmark_{0}_Z,landmark_{0}_V")}) {
     ExpectTwoFrames(ReadText("mediapipe", "a.csv", "frame," + names + "\n" + frames), names.substr(0, 40));
-    ExpectTwoFrames(ReadText("mediapipe", "a.csv", "class," + names + "\nwalk," + Values() + "\nwalk," + Values() + "\n"),
-                    "rows count the frames");
+    ExpectTwoFrames(
+        ReadText("mediapipe", "a.csv", "class," + names + "\nwalk," + Values() + "\nwalk," + Values() + "\n"),
+        "rows count the frames");
   }
   ExpectTwoFrames(ReadText("mediapipe", "a.csv", frames), "without a header");
   const std::string semicolons = [&] {
@@ -83,7 +84,8 @@ TEST(Mediapipe, TextInAllItsForms) {
   }();
   ExpectTwoFrames(ReadText("mediapipe", "a.csv", semicolons), "semicolons");
   std::string by_name = "frame";
-  for (const std::string& joint : MediapipeLayout().joints) by_name += fmt::format(",{0}_x,{0}_y,{0}_z,{0}_visibility", joint);
+  for (const std::string& joint : MediapipeLayout().joints)
+    by_name += fmt::format(",{0}_x,{0}_y,{0}_z,{0}_visibility", joint);
   ExpectTwoFrames(ReadText("mediapipe", "a.csv", by_name + "\n" + frames), "names");
 }
 
@@ -96,7 +98,8 @@ TEST(Mediapipe, ARowPerLandmark) {
       const std::string values = fmt::format("{},0.4,-0.1,0.5\n", 0.2 + 0.01 * k);
       by_number += fmt::format("{},{},{}", t, k, values);
       without_frame += fmt::format("{},{}", k + 1, values);
-      for (int person = 0; person < 2; ++person) two_people += fmt::format("{},{},{},0.5,0.{},0.9\n", t, person, k, person + 1);
+      for (int person = 0; person < 2; ++person)
+        two_people += fmt::format("{},{},{},0.5,0.{},0.9\n", t, person, k, person + 1);
     }
   }
   ExpectTwoFrames(ReadText("mediapipe", "a.csv", by_number), "by number");
@@ -113,15 +116,15 @@ TEST(Mediapipe, ARowPerLandmark) {
 TEST(Mediapipe, JsonInAllItsForms) {
   const std::string person = Objects();
   const std::string arrays = "[" + Join([](int k) { return fmt::format("[{},0.4,-0.1,0.5]", 0.2 + 0.01 * k); }) + "]";
-  const std::string named =
-      "{" + Join([](int k) {
-        return fmt::format(R"("{}":{{"x":{},"y":0.4,"visibility":0.5}})", MediapipeLayout().joints[static_cast<std::size_t>(k)],
-                           0.2 + 0.01 * k);
-      }) + "}";
+  const std::string named = "{" + Join([](int k) {
+                              return fmt::format(R"("{}":{{"x":{},"y":0.4,"visibility":0.5}})",
+                                                 MediapipeLayout().joints[static_cast<std::size_t>(k)], 0.2 + 0.01 * k);
+                            }) +
+                            "}";
   for (const std::string& frame :
-       {person, arrays, named, "[" + Values() + "]", R"({"landmarks":)" + person + "}", R"({"pose_landmarks":[)" + person + "]}",
-        R"({"poseLandmarks":{"landmark":)" + person + "}}", R"({"keypoints":)" + arrays + "}",
-        R"({"pose_world_landmarks":[],"pose_landmarks":)" + person + "}"}) {
+       {person, arrays, named, "[" + Values() + "]", R"({"landmarks":)" + person + "}",
+        R"({"pose_landmarks":[)" + person + "]}", R"({"poseLandmarks":{"landmark":)" + person + "}}",
+        R"({"keypoints":)" + arrays + "}", R"({"pose_world_landmarks":[],"pose_landmarks":)" + person + "}"}) {
     const std::string what = frame.substr(0, 50);
     ExpectTwoFrames(ReadText("mediapipe", "a.json", "[" + frame + "," + frame + "]"), what);
     ExpectTwoFrames(ReadText("mediapipe", "a.json", R"({"fps":30,"frames":[)" + frame + "," + frame + "]}"), what);
@@ -135,7 +138,9 @@ TEST(Mediapipe, JsonInAllItsForms) {
     ExpectTwoFrames(ReadCameras("mediapipe", folder / "cam").at(0), what);
   }
   const DetectedCamera numbered = ReadText(
-      "mediapipe", "a.json", fmt::format(R"([{{"frame":3,"landmarks":{0}}},{{"frame":5,"landmarks":null}},{{"frame":6,"landmarks":{0}}}])", person));
+      "mediapipe", "a.json",
+      fmt::format(R"([{{"frame":3,"landmarks":{0}}},{{"frame":5,"landmarks":null}},{{"frame":6,"landmarks":{0}}}])",
+                  person));
   EXPECT_EQ(numbered.frames.front().number, 3);
   EXPECT_EQ(numbered.frames.back().number, 6);
   EXPECT_EQ(numbered.frames.size(), 4U) << "frame 4, which the script left out, is a frame without people";
@@ -144,7 +149,8 @@ TEST(Mediapipe, JsonInAllItsForms) {
 
 TEST(Mediapipe, ZerosAndPointsOutsideTheImageAreMissing) {
   const std::string zeros = Join([](int) { return "0,0,0,0"; });
-  const std::string outside = Join([](int k) { return k < 11 ? "0.5,-0.2,0,0.9" : (k == 11 ? "1.4,0.5,0,0.9" : "0.5,0.5,0,0.9"); });
+  const std::string outside =
+      Join([](int k) { return k < 11 ? "0.5,-0.2,0,0.9" : (k == 11 ? "1.4,0.5,0,0.9" : "0.5,0.5,0,0.9"); });
   const CollectedMessages messages;
   const DetectedCamera camera = ReadText("mediapipe", "a.csv", zeros + "\n" + outside + "\n");
   EXPECT_TRUE(camera.frames[0].people.empty());
@@ -166,7 +172,9 @@ TEST(Mediapipe, PixelsAreTakenAsSuch) {
 
 TEST(Mediapipe, WorldLandmarksAreRefused) {
   const std::string world = Join([](int k) {
-    return k == 23 ? "0.1,0.001,0,0.9" : k == 24 ? "-0.1,-0.001,0,0.9" : fmt::format("{},{},0,0.9", 0.01 * (k - 16), 0.02 * (k - 20));
+    return k == 23   ? "0.1,0.001,0,0.9"
+           : k == 24 ? "-0.1,-0.001,0,0.9"
+                     : fmt::format("{},{},0,0.9", 0.01 * (k - 16), 0.02 * (k - 20));
   });
   EXPECT_THAT(ReadTextError("mediapipe", "a.csv", world + "\n"),
               HasSubstr("points around the middle of the hips, so world landmarks in metres; dump pose_landmarks"));
@@ -178,15 +186,19 @@ TEST(Mediapipe, WrongFilesAreRefused) {
   EXPECT_THAT(ReadTextError("mediapipe", "a.csv", "frame,x0,y0\n0,0.5,0.5\n"),
               HasSubstr("line 1: expected columns x and y of all 33 landmarks, found none of landmark 1 (LEyeInner)"));
   EXPECT_THAT(ReadTextError("mediapipe", "a.csv", "time,speed\n0,1\n"), HasSubstr("found \"time,speed\""));
-  EXPECT_THAT(ReadTextError("mediapipe", "a.csv", "1,2,3\n"), HasSubstr("2, 3 or 4 values of 33 landmarks, found 3 values"));
+  EXPECT_THAT(ReadTextError("mediapipe", "a.csv", "1,2,3\n"),
+              HasSubstr("2, 3 or 4 values of 33 landmarks, found 3 values"));
   EXPECT_THAT(ReadTextError("mediapipe", "a.csv", "0," + Values() + "\n0," + Values() + "\n"),
               HasSubstr("line 1 and line 2, both frame 0"));
-  EXPECT_THAT(ReadTextError("mediapipe", "a.csv", "0.5," + Values() + "\n"), HasSubstr("expected the number of a frame"));
+  EXPECT_THAT(ReadTextError("mediapipe", "a.csv", "0.5," + Values() + "\n"),
+              HasSubstr("expected the number of a frame"));
   EXPECT_THAT(ReadTextError("mediapipe", "a.json", R"([[{"x":0.5,"y":0.5}]])"),
               HasSubstr("expected 33 landmarks of MediaPipe's pose, found 1 landmarks"));
   EXPECT_THAT(ReadTextError("mediapipe", "a.json", "[[],null]"), HasSubstr("nobody in any of 2 frames"));
-  EXPECT_THAT(ReadTextError("mediapipe", "a.json", R"([{"a":1}])"), HasSubstr("[0]: expected MediaPipe's landmarks of a person"));
-  EXPECT_THAT(ReadTextError("mediapipe", "a.json", R"({"a":1})"), HasSubstr("expected MediaPipe's landmarks, 33 for each person"));
+  EXPECT_THAT(ReadTextError("mediapipe", "a.json", R"([{"a":1}])"),
+              HasSubstr("[0]: expected MediaPipe's landmarks of a person"));
+  EXPECT_THAT(ReadTextError("mediapipe", "a.json", R"({"a":1})"),
+              HasSubstr("expected MediaPipe's landmarks, 33 for each person"));
   EXPECT_THAT(ReadTextError("mediapipe", "a.csv", Values() + "\n", {{0, 0}, 0}),
               AllOf(HasSubstr("the image size of camera a"), HasSubstr("give `image_size`")));
 }
@@ -194,7 +206,8 @@ TEST(Mediapipe, WrongFilesAreRefused) {
 TEST(Mediapipe, TheSamplesAreRecognised) {
   for (const char* const folder : {"mediapipe_csv", "mediapipe_json"}) {
     EXPECT_EQ(DetectFormat(TestData("detections") / folder), "mediapipe");
-    const std::vector<DetectedCamera> cameras = ReadCameras("mediapipe", TestData("detections") / folder, {{640, 480}, 0});
+    const std::vector<DetectedCamera> cameras =
+        ReadCameras("mediapipe", TestData("detections") / folder, {{640, 480}, 0});
     ASSERT_EQ(cameras.size(), 2U);
     EXPECT_EQ(cameras[0].name, "left");
     EXPECT_EQ(cameras[1].frames.size(), 8U);

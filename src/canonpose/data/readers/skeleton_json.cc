@@ -35,8 +35,7 @@ int JointIndex(const JsonValue& value, const Skeleton& skeleton) {
 
 std::vector<int> JointIndices(const JsonValue& list, const Skeleton& skeleton) {
   if (list.ArraySize() != skeleton.joints.size()) {
-    list.Fail(fmt::format("{} values, one per joint", skeleton.joints.size()), "",
-              fmt::format("{}", list.ArraySize()));
+    list.Fail(fmt::format("{} values, one per joint", skeleton.joints.size()), "", fmt::format("{}", list.ArraySize()));
   }
   std::vector<int> indices;
   for (std::size_t j = 0; j < list.ArraySize(); ++j) indices.push_back(JointIndex(list.At(j), skeleton));

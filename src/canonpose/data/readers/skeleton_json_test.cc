@@ -45,11 +45,13 @@ TEST(SkeletonJson, NamesNullAndPartnersByName) {
 TEST(SkeletonJson, WhatIsNoSkeletonIsRefused) {
   EXPECT_THAT(ReadError("[]"), HasSubstr("expected a skeleton with joints and parents"));
   EXPECT_THAT(ReadError(R"({"joints":["a"]})"), HasSubstr("found an object with joints"));
-  EXPECT_THAT(ReadError(R"({"joints":["a","b"],"parents":[-1]})"), HasSubstr("parents: expected 2 values, one per joint, found 1"));
+  EXPECT_THAT(ReadError(R"({"joints":["a","b"],"parents":[-1]})"),
+              HasSubstr("parents: expected 2 values, one per joint, found 1"));
   EXPECT_THAT(ReadError(R"({"joints":["a","b"],"parents":[-1,7]})"),
               AllOf(HasSubstr("parents[1]"), HasSubstr("-1 or the index of one of 2 joints")));
   EXPECT_THAT(ReadError(R"({"joints":["a","b"],"parents":[-1,"c"]})"), HasSubstr("the joints are a, b"));
-  EXPECT_THAT(ReadError(R"({"joints":["a","b"],"parents":[1,0]})"), HasSubstr("one where root -1 is not one of 2 joints"));
+  EXPECT_THAT(ReadError(R"({"joints":["a","b"],"parents":[1,0]})"),
+              HasSubstr("one where root -1 is not one of 2 joints"));
   EXPECT_THAT(ReadError(R"({"joints":["a","b"],"parents":[-1,-1]})"), HasSubstr("b has no parent but is not the root"));
   EXPECT_THAT(ReadError(R"({"joints":["a","A"],"parents":[-1,0]})"), HasSubstr("there are two joints named A"));
   EXPECT_THAT(ReadError(R"({"joints":[],"parents":[]})"), HasSubstr("there are no joints"));

@@ -19,7 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSleapAdvice =
-    "export it in SLEAP with File > Export Analysis HDF5, or sleap-convert --format analysis; a .slp project is another "
+    "export it in SLEAP with File > Export Analysis HDF5, or sleap-convert --format analysis; a .slp project is "
+    "another "
     "file";
 /// No image is larger.
 constexpr double kLargestPixel = 1e9;
@@ -142,7 +143,8 @@ bool IsSleapFile(const fs::path& file) {
 }
 
 std::vector<CameraInput> FindSleapCameras(const fs::path& path) {
-  return FindCameraFiles(path, {{".h5", ".hdf5"}, "an analysis h5 file of SLEAP for each camera", IsSleapFile, SleapVideo});
+  return FindCameraFiles(path,
+                         {{".h5", ".hdf5"}, "an analysis h5 file of SLEAP for each camera", IsSleapFile, SleapVideo});
 }
 
 DetectedCamera ReadSleap(const CameraInput& input) {
@@ -165,7 +167,8 @@ DetectedCamera ReadSleap(const CameraInput& input) {
   builder.SetLayout({"sleap", file.nodes, {}}, path, "node_names");  // which checks them before they are used
   builder.SetLayout({"sleap", file.nodes, ReadBones(root, file.nodes.size())}, path, "node_names");
   ReadPoints(root, file);
-  if (file.track_count == 0) root.Fail("tracks", "at least one track", h5::FormatShape(root.Shape("tracks")), kSleapAdvice);
+  if (file.track_count == 0)
+    root.Fail("tracks", "at least one track", h5::FormatShape(root.Shape("tracks")), kSleapAdvice);
   ReadScores(root, file);
   for (std::size_t t = 0; t < file.frame_count; ++t) {
     const std::string place = fmt::format("tracks, frame {}", t);

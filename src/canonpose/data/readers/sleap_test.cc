@@ -93,7 +93,8 @@ TEST(Sleap, TheSampleHasTracksAndBones) {
 TEST(Sleap, WrongFilesAreRefused) {
   Analysis file;
   file.shape = {1, 2, 3, 2};
-  EXPECT_THAT(file.Error(), HasSubstr("expected (tracks, 2, 2, frames), as there are 2 node_names, found (1, 2, 3, 2)"));
+  EXPECT_THAT(file.Error(),
+              HasSubstr("expected (tracks, 2, 2, frames), as there are 2 node_names, found (1, 2, 3, 2)"));
   file = Analysis();
   file.tracks.clear();
   EXPECT_THAT(file.Error(), HasSubstr("expected SLEAP's tracks and node_names, found edge_inds, node_names"));

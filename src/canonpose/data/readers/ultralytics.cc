@@ -47,9 +47,8 @@ std::vector<std::string> VideosOf(const std::vector<fs::path>& files) {
   std::map<std::string, std::size_t> counts;
   for (const fs::path& file : files) ++counts[VideoOf(file)];
   const bool are_names = counts.size() > 1 && counts.size() <= kMostVideos &&
-                         std::all_of(counts.begin(), counts.end(), [](const auto& video) {
-                           return !video.first.empty() && video.second > 1;
-                         });
+                         std::all_of(counts.begin(), counts.end(),
+                                     [](const auto& video) { return !video.first.empty() && video.second > 1; });
   if (!are_names) return {""};
   std::vector<std::string> videos;
   for (const auto& [video, count] : counts) videos.push_back(video);
@@ -93,7 +92,8 @@ void ReportOthers(const OtherClasses& others, const CameraInput& input, bool has
 }
 
 bool HasPeople(const DetectedCamera& camera) {
-  return std::any_of(camera.frames.begin(), camera.frames.end(), [](const auto& frame) { return !frame.people.empty(); });
+  return std::any_of(camera.frames.begin(), camera.frames.end(),
+                     [](const auto& frame) { return !frame.people.empty(); });
 }
 
 }  // namespace

@@ -14,17 +14,18 @@ namespace canonpose {
 class JsonValue;
 
 /// The cameras of a path: a folder of text files, one per frame, or of such folders ("labels" below them is found); a
-/// folder in which several videos' frames have names of their own (cam1_12.txt, cam2_12.txt), each of which is a camera;
-/// or JSON, as for other detectors. Throws Error(kBadInput).
+/// folder in which several videos' frames have names of their own (cam1_12.txt, cam2_12.txt), each of which is a
+/// camera; or JSON, as for other detectors. Throws Error(kBadInput).
 std::vector<CameraInput> FindUltralyticsCameras(const std::filesystem::path& path);
 
 /// Reads one camera.
-/// - Text: class, box (4), then x, y and, for most models, a confidence of each keypoint, all but the class as fractions of
+/// - Text: class, box (4), then x, y and, for most models, a confidence of each keypoint, all but the class as
+/// fractions of
 ///   the image; then the person's confidence (save_conf) and the track's number, where they are there. 17 keypoints are
 ///   assumed (COCO-17), or `input.keypoint_count`.
 /// - JSON: a list of people ({name, class, confidence, box, track_id?, keypoints: {x, y, visible?}}) for each frame, in
-///   pixels or as fractions: a file per frame, a list of such lists, an object of them by frame, or a list of people that
-///   have a member frame.
+///   pixels or as fractions: a file per frame, a list of such lists, an object of them by frame, or a list of people
+///   that have a member frame.
 /// Class 0, a person, is read; a warning counts the others. Frames without a file, and with an empty one, are frames
 /// without people. Throws Error(kBadInput).
 DetectedCamera ReadUltralytics(const CameraInput& input);

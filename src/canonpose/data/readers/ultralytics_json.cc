@@ -1,6 +1,4 @@
 // Ultralytics' results as JSON.
-#include "canonpose/data/readers/ultralytics.h"
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -11,6 +9,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/data/codecs/json.h"
+#include "canonpose/data/readers/ultralytics.h"
 
 namespace canonpose::ultralytics {
 namespace {
@@ -19,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kAdvice =
     "save Results.to_json() of each frame: people with class, confidence, box and keypoints {x, y, visible}";
-constexpr std::array<const char*, 7> kFrameKeys{"frame",     "frame_id", "frame_number", "frame_idx",
+constexpr std::array<const char*, 7> kFrameKeys{"frame",       "frame_id", "frame_number", "frame_idx",
                                                 "frame_index", "image",    "path"};
 constexpr std::array<const char*, 7> kListKeys{"detections", "results", "predictions", "people",
                                                "persons",    "objects", "frames"};
@@ -46,7 +45,8 @@ std::vector<double> TriplesOf(const JsonValue& keypoints) {
   const std::optional<JsonValue> visible = keypoints.Find("visible");
   const std::vector<double> confidence = visible ? visible->NumbersOrNaN() : std::vector<double>(x.size(), 1.0);
   if (x.empty() || x.size() != y.size() || x.size() != confidence.size()) {
-    keypoints.Fail("as many x, y and visible", kAdvice, fmt::format("{}, {} and {}", x.size(), y.size(), confidence.size()));
+    keypoints.Fail("as many x, y and visible", kAdvice,
+                   fmt::format("{}, {} and {}", x.size(), y.size(), confidence.size()));
   }
   std::vector<double> triples;
   for (std::size_t k = 0; k < x.size(); ++k) triples.insert(triples.end(), {x[k], y[k], confidence[k]});
@@ -54,13 +54,15 @@ std::vector<double> TriplesOf(const JsonValue& keypoints) {
 }
 
 void AddDetection(const JsonValue& detection, DetectedFrame& frame, CameraBuilder& builder, OtherClasses& others) {
-  if (!IsDetection(detection)) detection.Fail("a detection with class, box and keypoints", kAdvice, detection.DescribeStructure());
+  if (!IsDetection(detection))
+    detection.Fail("a detection with class, box and keypoints", kAdvice, detection.DescribeStructure());
   if (const std::int64_t number = ClassOf(detection); number != 0) {
     ++others[number];
     return;
   }
   if (!detection.Has("keypoints")) {
-    detection.Fail("a detection with keypoints", "run a pose model, such as yolo11n-pose", detection.DescribeStructure());
+    detection.Fail("a detection with keypoints", "run a pose model, such as yolo11n-pose",
+                   detection.DescribeStructure());
   }
   const std::vector<double> triples = TriplesOf(detection["keypoints"]);
   builder.NoteKeypointCount(triples.size() / 3);
@@ -78,7 +80,8 @@ void AddAll(const JsonValue& list, DetectedFrame& frame, CameraBuilder& builder,
 
 /// The frame that a value names.
 DetectedFrame& NamedFrame(const JsonValue& name, const JsonValue& entry, bool is_shared, CameraBuilder& builder) {
-  if (name.json().is_string()) return builder.Frame(fs::path(name.String()).filename().string(), name.file(), name.place());
+  if (name.json().is_string())
+    return builder.Frame(fs::path(name.String()).filename().string(), name.file(), name.place());
   return builder.Frame(name.Integer(), is_shared ? "" : entry.place(), name.file(), name.place());
 }
 
@@ -96,7 +99,8 @@ void AddEntry(const JsonValue& entry, std::size_t index, CameraBuilder& builder,
   const std::optional<JsonValue> list = FindAny(entry, kListKeys);
   if (!list) entry.Fail("the people of a frame", kAdvice, entry.DescribeStructure());
   if (frame) return AddAll(*list, NamedFrame(*frame, entry, false, builder), builder, others);
-  AddAll(*list, builder.Frame(static_cast<std::int64_t>(index), entry.place(), entry.file(), entry.place()), builder, others);
+  AddAll(*list, builder.Frame(static_cast<std::int64_t>(index), entry.place(), entry.file(), entry.place()), builder,
+         others);
 }
 
 }  // namespace

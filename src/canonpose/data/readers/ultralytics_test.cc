@@ -121,9 +121,10 @@ TEST(Ultralytics, OtherClassesAreLeftOut) {
 TEST(Ultralytics, OtherModelsNeedALayout) {
   const Labels labels;
   labels.Add("v_1.txt", Line(24, 3, " 3"));
-  EXPECT_THAT(labels.Error(), AllOf(HasSubstr("v_1.txt: line 1: expected 56 or 39 values for 17 keypoints, and at most two "
-                                              "more, found 78"),
-                                    HasSubstr("name the `layout`")));
+  EXPECT_THAT(labels.Error(),
+              AllOf(HasSubstr("v_1.txt: line 1: expected 56 or 39 values for 17 keypoints, and at most two "
+                              "more, found 78"),
+                    HasSubstr("name the `layout`")));
   const DetectedCamera camera = labels.Read({{100, 200}, 24}).at(0);
   EXPECT_EQ(camera.keypoint_count, 24);
   EXPECT_EQ(camera.frames[0].people.at(0).track_id, 3);
@@ -142,11 +143,15 @@ TEST(Ultralytics, WrongTextsAreRefused) {
   EXPECT_THAT(error(""), HasSubstr("nobody in any of 1 frames"));
   std::string pixels = "0 100 100 20 40";
   for (int k = 0; k < 17; ++k) pixels += fmt::format(" {} 150 0.5", 100 + k);
-  EXPECT_THAT(error(pixels), HasSubstr("expected keypoints as fractions of the image, as save_txt writes them, found coordinates up to 150"));
+  EXPECT_THAT(
+      error(pixels),
+      HasSubstr("expected keypoints as fractions of the image, as save_txt writes them, found coordinates up to 150"));
   const Labels unnumbered;
   unnumbered.Add("notes.txt", "hello");
-  EXPECT_THAT(unnumbered.Error(), HasSubstr("a text file per frame, with the frame's number in its name, found notes.txt"));
-  EXPECT_THAT(ReadTextError("ultralytics", "v_1.txt", Line()), HasSubstr("expected a folder with a text file per frame"));
+  EXPECT_THAT(unnumbered.Error(),
+              HasSubstr("a text file per frame, with the frame's number in its name, found notes.txt"));
+  EXPECT_THAT(ReadTextError("ultralytics", "v_1.txt", Line()),
+              HasSubstr("expected a folder with a text file per frame"));
 }
 
 /// A person as Results.to_json() writes it.
@@ -175,8 +180,9 @@ TEST(Ultralytics, JsonInAllItsForms) {
   };
   expect(ReadText("ultralytics", "a.json", "[[],[" + person + "]]"), "lists");
   expect(ReadText("ultralytics", "a.json", R"({"frame_1":[],"frame_2":[)" + person + "]}"), "object of frames");
-  expect(ReadText("ultralytics", "a.json", R"([{"frame":1,"detections":[]},{"frame":2,"detections":[)" + person + "]}]"),
-         "numbered lists");
+  expect(
+      ReadText("ultralytics", "a.json", R"([{"frame":1,"detections":[]},{"frame":2,"detections":[)" + person + "]}]"),
+      "numbered lists");
   const Labels folder;
   folder.Add("cam/v_1.json", "[]");
   folder.Add("cam/v_2.json", "[" + person + "]");
@@ -198,7 +204,8 @@ TEST(Ultralytics, WrongJsonIsRefused) {
   EXPECT_THAT(error(R"({"a":1})"), HasSubstr("expected Ultralytics' lists of people with keypoints"));
   EXPECT_THAT(error("[[" + Detection(1.0, "", 16) + "]]"), HasSubstr("expected people, class 0, found classes 16"));
   EXPECT_THAT(error(R"([[{"class":0,"box":{}}]])"), HasSubstr("expected a detection with keypoints"));
-  EXPECT_THAT(error(R"([[{"class":0,"box":{},"keypoints":{"x":[1],"y":[1,2]}}]])"), HasSubstr("expected as many x, y and visible"));
+  EXPECT_THAT(error(R"([[{"class":0,"box":{},"keypoints":{"x":[1],"y":[1,2]}}]])"),
+              HasSubstr("expected as many x, y and visible"));
   EXPECT_THAT(error("[[],[]]"), HasSubstr("nobody in any of 2 frames"));
 }
 

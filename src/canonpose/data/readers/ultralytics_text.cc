@@ -1,6 +1,4 @@
 // Ultralytics' text files: a file per frame, a line per person.
-#include "canonpose/data/readers/ultralytics.h"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
 #include "canonpose/base/progress.h"
+#include "canonpose/data/readers/ultralytics.h"
 
 namespace canonpose::ultralytics {
 namespace {
@@ -43,7 +42,8 @@ std::vector<double> Numbers(std::string_view text, const Line& line) {
     double value = 0.0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (end != word.data() + word.size() || (error != std::errc() && error != std::errc::result_out_of_range)) {
-      ThrowBadInput({line.file, line.place(), "numbers separated by spaces", "\"" + std::string(word.substr(0, 40)) + "\"",
+      ThrowBadInput({line.file, line.place(), "numbers separated by spaces",
+                     "\"" + std::string(word.substr(0, 40)) + "\"",
                      "give the text files that Ultralytics' save_txt option writes"});
     }
     values.push_back(error == std::errc() && std::abs(value) <= kLargestValue ? value : NAN);
@@ -79,7 +79,8 @@ std::optional<Form> FormOf(std::size_t values, std::size_t keypoints) {
   return std::nullopt;
 }
 
-/// Whether the one value after the keypoints is the track's number: a whole number in every line, and not 1, or 0, in all.
+/// Whether the one value after the keypoints is the track's number: a whole number in every line, and not 1, or 0, in
+/// all.
 bool IsTrack(const std::vector<Line>& lines) {
   bool is_above_one = false;
   for (const Line& line : lines) {

@@ -46,22 +46,36 @@ struct SleapFile {
   std::optional<PointArray> scores;
 };
 
-/// Points in the order that the shape shows. Both orders fit only a file of as many frames as tracks, two nodes and two
-/// frames; then it is SLEAP's own.
+/// How many tracks the file names; nothing where it names none, since one that nobody tracked has an array of one.
+std::optional<std::size_t> TrackCount(const h5::Group& root) {
+  if (!root.Has("track_names")) return std::nullopt;
+  const std::vector<std::size_t> shape = root.Shape("track_names");
+  if (shape.empty() || shape[0] == 0) return std::nullopt;
+  return shape[0];
+}
+
+/// Points in the order that the shape shows. Where both orders fit, it is SLEAP's own unless the file says another.
 void ReadPoints(const h5::Group& root, SleapFile& file) {
   h5::Array<double> tracks = root.Read<double>("tracks");
   const std::vector<std::size_t>& shape = tracks.shape;
   const std::size_t nodes = file.nodes.size();
-  if (shape.size() == 4 && shape[1] == 2 && shape[2] == nodes) {
+  const std::optional<std::size_t> count = TrackCount(root);
+  const bool has_nodes = shape.size() == 4 && shape[2] == nodes;
+  const bool is_own = has_nodes && shape[1] == 2 && (!count || shape[0] == *count);
+  const bool is_other = has_nodes && shape[3] == 2 && (!count || shape[1] == *count);
+  const bool says_other = root.HasAttribute("preset") && root.GetString("preset") == "standard";
+  if (is_own && !(is_other && says_other)) {
     file.track_count = shape[0];
     file.frame_count = shape[3];
     file.points = {std::move(tracks.values), 2 * nodes * shape[3], nodes * shape[3], shape[3], 1};
-  } else if (shape.size() == 4 && shape[3] == 2 && shape[2] == nodes) {
+  } else if (is_other) {
     file.frame_count = shape[0];
     file.track_count = shape[1];
     file.points = {std::move(tracks.values), 2 * nodes, 1, 2, shape[1] * nodes * 2};
   } else {
-    root.Fail("tracks", fmt::format("(tracks, 2, {}, frames), as there are {} node_names", nodes, nodes),
+    root.Fail("tracks",
+              fmt::format("(tracks, 2, {}, frames), as there are {} node_names{}", nodes, nodes,
+                          count ? fmt::format(" and {} track_names", *count) : ""),
               h5::FormatShape(shape), kSleapAdvice);
   }
 }

@@ -10,6 +10,7 @@
 #include "canonpose/base/log.h"
 #include "canonpose/base/names.h"
 #include "canonpose/data/readers/flat_list.h"
+#include "canonpose/data/readers/formats.h"
 
 namespace canonpose {
 namespace {
@@ -65,7 +66,10 @@ std::vector<CameraInput> FindCameraFiles(const fs::path& path, const CameraFiles
     std::string found = DescribeFolder(path);
     if (found == kNoJsonFile) found = "none";
     if (!others.empty()) found = FirstAndCount(others) + ", which are not";
-    ThrowBadInput({path.string(), "", std::string(files.expected), found, AdviseFolder(path, "check the path")});
+    const std::string format = LooksLikeFormat(path);
+    const std::string advice =
+        format.empty() ? AdviseFolder(path, "check the path") : fmt::format("this looks like the format {}", format);
+    ThrowBadInput({path.string(), "", std::string(files.expected), found, advice});
   }
   if (!others.empty()) {
     const bool is_one = others.size() == 1;

@@ -249,7 +249,11 @@ std::string AdviseFolder(const fs::path& folder, const std::string& advice) {
     const std::string kind = KindOfFile(file);
     if (kind == "a video" || kind == "an image") return AdviceForKind(kind);
   }
-  return advice;
+  // Of formats in JSON the reader itself knows what is missing.
+  static constexpr std::array<std::string_view, 4> kInJson{"openpose", "alphapose", "mmpose", "coco"};
+  const std::string format = LooksLikeFormat(folder);
+  const bool is_other = !format.empty() && std::find(kInJson.begin(), kInJson.end(), format) == kInJson.end();
+  return is_other ? fmt::format("this looks like the format {}", format) : advice;
 }
 
 void FailFormat(const JsonValue& root, const std::string& expected) {

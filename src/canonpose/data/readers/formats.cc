@@ -150,6 +150,14 @@ std::string DetectionFormatNames() {
   return names;
 }
 
+std::string LooksLikeFormat(const fs::path& path) {
+  try {
+    return GuessPath(path, 2);
+  } catch (const Error&) {
+    return "";
+  }
+}
+
 bool HasDetections(const fs::path& folder) { return !GuessFolder(folder).empty(); }
 
 std::string GuessFormat(const JsonValue& root) {

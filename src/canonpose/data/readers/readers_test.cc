@@ -183,6 +183,12 @@ TEST(Formats, TheWrongFormatNamesTheRightOne) {
               HasSubstr("looks like the format mmpose"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("alphapose", all / "mmpose_demo"); }),
               HasSubstr("looks like the format mmpose"));
+  for (const char* const format : {"openpose", "alphapose", "sleap", "mediapipe"}) {
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll(format, all / "deeplabcut"); }),
+                HasSubstr("looks like the format deeplabcut"));
+  }
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("deeplabcut", all / "coco"); }),
+              HasSubstr("looks like the format coco"));
 }
 
 TEST(OpenPose, FramesAreSortedByNumberAndNotByName) {

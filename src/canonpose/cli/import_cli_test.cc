@@ -25,9 +25,11 @@ using testing::TemporaryFolder;
 using testing::TestData;
 
 TEST(ImportProgram, HelpAndMessagesNameTheFormats) {
+  const Outcome help = Execute({"help", "import"});
+  const Outcome mistake = Execute({"import", "kinect", "a", "-o", "b.h5"});
   for (const char* const format : {"deeplabcut", "sleap", "mediapipe", "ultralytics", "freemocap"}) {
-    EXPECT_THAT(Execute({"help", "import"}).output, HasSubstr(format));
-    EXPECT_THAT(Execute({"import", "kinect", "a", "-o", "b.h5"}).message(), HasSubstr(format));
+    EXPECT_THAT(help.output, HasSubstr(format));
+    EXPECT_THAT(mistake.message(), HasSubstr(format));
   }
 }
 

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
 #include <string_view>
+#include <vector>
 
 #include "fuzzing.h"
 
-#include "canonpose/data/layout_check.h"
+#include "canonpose/data/own_layout.h"
 #include "canonpose/data/person_tracking.h"
 #include "canonpose/data/readers/formats.h"
 
@@ -16,9 +16,10 @@ namespace canonpose::fuzz {
 inline void ReadDetections(std::string_view format_name, const std::filesystem::path& path) {
   DetectFormat(path);
   const DetectionFormat& format = FindDetectionFormat(format_name);
-  for (const CameraInput& input : format.find_cameras(path)) {
-    const KeypointClip clip = FollowPerson(format.read(input), 1);
-    CheckLayout(std::span(&clip, 1), "");
+  for (CameraInput input : format.find_cameras(path)) {
+    input.image_size = {640, 480};
+    std::vector<KeypointClip> clips{FollowPerson(format.read(input), 1)};
+    LayoutOf(clips, "");
   }
 }
 

@@ -9,6 +9,10 @@ _canonpose() {
   elif [[ $word == -* ]]; then
     options=$("$program" help "$command" 2>/dev/null | grep -oE -- '--[a-z][a-z-]*' | sort -u)
     mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")
+  elif [ "$command" = import ] && [ "$COMP_CWORD" -eq 2 ]; then
+    # "The detector's files: openpose, ...; or a benchmark's: h36m, ..."
+    options=$("$program" help import 2>/dev/null | sed -n 's/^ *format .*files: \(.*\); or a benchmark.s: \(.*\)$/\1, \2/p' | tr -d ,)
+    mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")
   fi
   # Anything else is a file or folder.
 }

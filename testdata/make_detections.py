@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 """Writes testdata/detections: the same two walking people, seen by two cameras, in every detector format that is read.
 
-Needs nothing but Python. The main person walks to and fro in front; a smaller one stands behind and crosses the image. The order
+Needs nothing but Python; make_detections_hdf5.py adds the HDF5 files. The main person walks to and fro in front; a smaller one stands behind and crosses the image. The order
 of the two changes from frame to frame, as it does in detectors' files. Run it anew after changing it; the files are committed.
 """
+import csv
 import json
 import math
 import pathlib
 import random
 import shutil
+import struct
 
 FRAMES = 8
 EMPTY_FRAME = 5  # nobody is seen in the second camera
@@ -23,7 +25,17 @@ BODY_25 = (
 ).split() + FEET
 BODY_25B = COCO_17 + ["Neck", "HeadTop"] + FEET
 COCO_18 = BODY_25[:8] + "RHip RKnee RAnkle LHip LKnee LAnkle REye LEye REar LEar".split()
+COCO_23 = COCO_17 + FEET
 HALPE_26 = COCO_17 + "HeadTop Neck MidHip LBigToe RBigToe LSmallToe RSmallToe LHeel RHeel".split()
+# As a user of DeepLabCut or SLEAP might name COCO's joints.
+WORDS = {"L": "left", "R": "right"}
+NAMED_17 = ["nose"] + [f"{WORDS[name[0]]} {name[1:].lower()}" for name in COCO_17[1:]]
+# MediaPipe's 33 landmarks: ours, or the joint that stands for one we do not make.
+MEDIAPIPE_33 = (
+    "Nose LEye LEye LEye REye REye REye LEar REar Nose Nose LShoulder RShoulder LElbow RElbow LWrist RWrist "
+    "LWrist RWrist LWrist RWrist LWrist RWrist LHip RHip LKnee RKnee LAnkle RAnkle LHeel RHeel LBigToe RBigToe"
+).split()
+SCORER = "DLC_resnet50_walkJan1shuffle1_100000"
 
 
 def person_in_world(frame, where, height):
@@ -159,6 +171,132 @@ def write_coco():
         write(OUT / "coco" / f"{name}.json", flat_list(camera, COCO_17, lambda f: f + 1))
 
 
+def by_track(camera, frame):
+    return dict(people(camera, frame))
+
+
+def deeplabcut_rows(camera):
+    """Header rows and a row per frame, of both people; a joint that is missing is empty."""
+    header = [("scorer", "individuals", "bodyparts", "coords")]
+    for track in (1, 2):
+        for name in NAMED_17:
+            header += [(SCORER, f"person{track}", name, coord) for coord in ("x", "y", "likelihood")]
+    rows = []
+    for frame in range(FRAMES):
+        seen = by_track(camera, frame)
+        row = [frame]
+        for track in (1, 2):
+            for name in COCO_17:
+                x, y, c = seen[track][name] if track in seen else (0, 0, 0)
+                row += [x, y, c] if c > 0 else ["", "", ""]
+        rows.append(row)
+    return list(zip(*header)), rows
+
+
+def write_deeplabcut():
+    for camera in range(2):
+        path = OUT / "deeplabcut" / f"cam{camera + 1}{SCORER}.csv"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        header, rows = deeplabcut_rows(camera)
+        with path.open("w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(list(header) + rows)
+
+
+def landmarks(joints):
+    """[(x, y, z, visibility)] as fractions of the image."""
+    values = []
+    for name in MEDIAPIPE_33:
+        x, y, c = joints[name]
+        values.append((round(x / IMAGE_SIZE[0], 10), round(y / IMAGE_SIZE[1], 10), -0.25, c))
+    return values
+
+
+def write_mediapipe():
+    columns = ["frame"] + [f"{axis}{k}" for k in range(33) for axis in "xyzv"]
+    for camera, name in enumerate(("left", "right")):
+        path = OUT / "mediapipe_csv" / f"{name}.csv"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("w", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(columns)
+            for frame in range(FRAMES):
+                seen = by_track(camera, frame)
+                # Scripts write zeros where nobody was found.
+                values = landmarks(seen[1]) if seen else [(0, 0, 0, 0)] * 33
+                writer.writerow([frame] + [v for point in values for v in point])
+        frames = []
+        for frame in range(FRAMES):
+            people_of_frame = [
+                [dict(zip(("x", "y", "z", "visibility"), point)) for point in landmarks(joints)]
+                for _, joints in people(camera, frame)
+            ]
+            frames.append({"frame": frame, "pose_landmarks": people_of_frame})
+        write(OUT / "mediapipe_json" / f"{name}.json", frames)
+
+
+def write_ultralytics():
+    width, height = IMAGE_SIZE
+    for camera in range(2):
+        name = f"cam{camera + 1}"
+        results = []
+        for frame in range(FRAMES):
+            lines, detections = [], []
+            for track, joints in people(camera, frame):
+                points = [joints[joint] for joint in COCO_17]
+                values = [0, 0.5, 0.5, 0.25, 0.75]
+                values += [v for x, y, c in points for v in (x / width, y / height, c)] + [0.9, track]
+                lines.append(" ".join(f"{v:g}" for v in values))
+                xs, ys, cs = zip(*points)
+                box = {"x1": 1.5, "y1": 2.5, "x2": 101.5, "y2": 202.5}
+                keypoints = {"x": xs, "y": ys, "visible": cs}
+                detections.append(
+                    {"name": "person", "class": 0, "confidence": 0.9, "box": box, "track_id": track, "keypoints": keypoints}
+                )
+            results.append(detections)
+            # No file where nobody is seen, as the program does it.
+            if lines:
+                path = OUT / "ultralytics_txt" / name / "labels" / f"{name}_{frame + 1}.txt"
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text("\n".join(lines) + "\n")
+        write(OUT / "ultralytics_json" / f"{name}.json", results)
+
+
+def write_freemocap():
+    """(cameras, frames, 75 points, 3): pixels and MediaPipe's depth; NaN where nobody is seen."""
+    values = []
+    for camera in range(2):
+        for frame in range(FRAMES):
+            seen = by_track(camera, frame)
+            for k in range(75):
+                if not seen:
+                    values += [math.nan] * 3
+                elif k < 33:
+                    x, y, c = seen[1][MEDIAPIPE_33[k]]
+                    values += [x, y, -12.5] if c > 0 else [math.nan] * 3
+                else:
+                    values += [300.5, 200.5, -10.0]
+    header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, %d, 75, 3), }" % FRAMES
+    header += " " * (63 - (len(header) + 10) % 64) + "\n"
+    path = OUT / "freemocap" / "output_data" / "raw_data" / "mediapipe2dData_numCams_numFrames_numTrackedPoints_pixelXY.npy"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    content = b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode()
+    path.write_bytes(content + struct.pack(f"<{len(values)}d", *values))
+
+
+def write_wholebody():
+    for camera, name in enumerate(("a", "b")):
+        video = []
+        for frame in range(FRAMES):
+            instances = []
+            for _, joints in people(camera, frame):
+                points = [joints[joint] for joint in COCO_23] + [(10.5, 20.5, 0.5)] * 110
+                instances.append(
+                    {"keypoints": [[x, y] for x, y, _ in points], "keypoint_scores": [c for _, _, c in points], "bbox_score": 0.9}
+                )
+            video.append({"frame_id": frame + 1, "instances": instances})
+        write(OUT / "mmpose_133" / f"{name}.json", video)
+
+
 def main():
     shutil.rmtree(OUT, ignore_errors=True)
     write_openpose("openpose", BODY_25)
@@ -166,6 +304,11 @@ def main():
     write_alphapose()
     write_mmpose()
     write_coco()
+    write_deeplabcut()
+    write_mediapipe()
+    write_ultralytics()
+    write_freemocap()
+    write_wholebody()
 
 
 if __name__ == "__main__":

@@ -72,7 +72,7 @@ void AddImport(py::module_& module) {
         });
       },
       py::arg("format"), py::arg("paths") = std::vector<fs::path>(), py::kw_only(),
-      py::arg("cameras") = std::map<std::string, fs::path>(), py::arg("layout") = "", py::arg("skeleton") = "h36m-17",
+      py::arg("cameras") = std::map<std::string, fs::path>(), py::arg("layout") = "", py::arg("skeleton") = "",
       py::arg("person") = 1, py::arg("image_size") = std::array<int, 2>{0, 0}, py::arg("calibration") = py::none(),
       py::arg("name") = "clip", py::arg("subject") = "", py::arg("capture") = "", py::arg("fps") = 0.0,
       py::arg("moving_cameras") = false, py::arg("align") = "automatic",

@@ -52,6 +52,10 @@ class Group {
   /// Arrays; T is float, double or std::int64_t, converted from what is stored.
   template <typename T>
   [[nodiscard]] Array<T> Read(const std::string& name) const;
+  /// An array of texts of fixed or variable length, row-major; its shape is Shape().
+  [[nodiscard]] std::vector<std::string> ReadTexts(const std::string& name) const;
+  /// One field of a table, an array whose elements are records: (rows), or (rows, ...) where the field is an array.
+  [[nodiscard]] Array<double> ReadField(const std::string& name, const std::string& field) const;
   /// The shape alone, without reading. It is one that the file can hold: a damaged size is an error.
   [[nodiscard]] std::vector<std::size_t> Shape(const std::string& name) const;
 

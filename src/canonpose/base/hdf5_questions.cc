@@ -65,7 +65,8 @@ Group GroupAt(const File& file, const std::string& path) {
   return path == root.path() ? root : root.Open(path.substr(1));
 }
 
-std::string Answer(File& file, Question question, const std::string& path, const std::string& name) {
+std::string Answer(File& file, Question question, const std::string& path, const std::string& name,
+                   const std::string& detail) {
   ByteWriter writer;
   const Group group = GroupAt(file, path);
   switch (question) {
@@ -106,6 +107,12 @@ std::string Answer(File& file, Question question, const std::string& path, const
     case Question::kIntegers:
       Put(writer, group.Read<std::int64_t>(name));
       break;
+    case Question::kTexts:
+      Put(writer, group.ReadTexts(name));
+      break;
+    case Question::kField:
+      Put(writer, group.ReadField(name, detail));
+      break;
   }
   return writer.Take();
 }
@@ -116,8 +123,9 @@ ChildProcess::Answer Answerer(std::function<File()> open) {
     const auto question = static_cast<Question>(reader.Number<std::uint8_t>());
     const std::string group = reader.Text();
     const std::string name = reader.Text();
+    const std::string detail = reader.Text();
     if (!file->has_value()) file->emplace(open());
-    return Answer(**file, question, group, name);
+    return Answer(**file, question, group, name, detail);
   };
 }
 
@@ -129,11 +137,13 @@ FileInChild::FileInChild(const std::filesystem::path& path, std::function<File()
 }
 
 template <typename Result>
-Result FileInChild::Ask(Question question, const std::string& group, const std::string& name) {
+Result FileInChild::Ask(Question question, const std::string& group, const std::string& name,
+                        const std::string& detail) {
   ByteWriter writer;
   writer.Number(static_cast<std::uint8_t>(question));
   writer.Text(group);
   writer.Text(name);
+  writer.Text(detail);
   const std::optional<std::string> answer = child_.Ask(writer.Take());
   Result result{};
   if (answer) {
@@ -146,13 +156,16 @@ Result FileInChild::Ask(Question question, const std::string& group, const std::
                  fmt::format("a damaged one (the library that reads it {})", answer ? "fails" : child_.why_ended()),
                  "copy or create it again"});
 }
-template bool FileInChild::Ask(Question, const std::string&, const std::string&);
-template double FileInChild::Ask(Question, const std::string&, const std::string&);
-template std::vector<std::string> FileInChild::Ask(Question, const std::string&, const std::string&);
-template std::vector<std::int64_t> FileInChild::Ask(Question, const std::string&, const std::string&);
-template std::vector<std::size_t> FileInChild::Ask(Question, const std::string&, const std::string&);
-template Array<float> FileInChild::Ask(Question, const std::string&, const std::string&);
-template Array<double> FileInChild::Ask(Question, const std::string&, const std::string&);
-template Array<std::int64_t> FileInChild::Ask(Question, const std::string&, const std::string&);
+template bool FileInChild::Ask(Question, const std::string&, const std::string&, const std::string&);
+template double FileInChild::Ask(Question, const std::string&, const std::string&, const std::string&);
+template std::vector<std::string> FileInChild::Ask(Question, const std::string&, const std::string&,
+                                                   const std::string&);
+template std::vector<std::int64_t> FileInChild::Ask(Question, const std::string&, const std::string&,
+                                                    const std::string&);
+template std::vector<std::size_t> FileInChild::Ask(Question, const std::string&, const std::string&,
+                                                   const std::string&);
+template Array<float> FileInChild::Ask(Question, const std::string&, const std::string&, const std::string&);
+template Array<double> FileInChild::Ask(Question, const std::string&, const std::string&, const std::string&);
+template Array<std::int64_t> FileInChild::Ask(Question, const std::string&, const std::string&, const std::string&);
 
 }  // namespace canonpose::h5

@@ -28,6 +28,8 @@ enum class Question : std::uint8_t {
   kFloats,        ///< Array<float>
   kDoubles,       ///< Array<double>
   kIntegers,      ///< Array<std::int64_t>
+  kTexts,         ///< std::vector<std::string>
+  kField,         ///< Array<double>; the detail is the name of the field
 };
 
 class FileInChild {
@@ -37,7 +39,7 @@ class FileInChild {
 
   /// Throws the Error(kBadInput) that the same call throws in the child, or one that says how the child ended.
   template <typename Result>
-  Result Ask(Question question, const std::string& group, const std::string& name);
+  Result Ask(Question question, const std::string& group, const std::string& name, const std::string& detail = "");
 
  private:
   std::string path_;

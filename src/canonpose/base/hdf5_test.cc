@@ -147,6 +147,63 @@ TEST(Hdf5, StringsAreWrittenWithVariableLengthAndBothKindsAreRead) {
   EXPECT_EQ(File::OpenForReading(folder / "b.h5").root().GetString("x"), "of fixed length");
 }
 
+/// A file with a table as PyTables writes it and texts as h5py does.
+void WriteTable(const std::filesystem::path& path) {
+  struct Row {
+    std::int64_t index;
+    float values[2];
+    char name[4];
+  };
+  const Row rows[] = {{7, {1.5F, NAN}, "ab"}, {9, {2.5F, 3.5F}, "c"}};
+  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hsize_t two = 2;
+  const hid_t pair = H5Tarray_create2(H5T_NATIVE_FLOAT, 1, &two);
+  const hid_t fixed = H5Tcopy(H5T_C_S1);
+  H5Tset_size(fixed, 4);
+  const hid_t record = H5Tcreate(H5T_COMPOUND, sizeof(Row));
+  H5Tinsert(record, "index", HOFFSET(Row, index), H5T_NATIVE_INT64);
+  H5Tinsert(record, "values_block_0", HOFFSET(Row, values), pair);
+  H5Tinsert(record, "name", HOFFSET(Row, name), fixed);
+  const hid_t space = H5Screate_simple(1, &two, nullptr);
+  const hid_t table = H5Dcreate2(file, "table", record, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  H5Dwrite(table, record, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows);
+  const hid_t fixed_texts = H5Dcreate2(file, "fixed", fixed, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  H5Dwrite(fixed_texts, fixed, H5S_ALL, H5S_ALL, H5P_DEFAULT, "abcdx\0\0\0");
+  const hid_t variable = H5Tcopy(H5T_C_S1);
+  H5Tset_size(variable, H5T_VARIABLE);
+  const char* const texts[] = {"left ear", "é"};
+  const hid_t variable_texts = H5Dcreate2(file, "variable", variable, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  H5Dwrite(variable_texts, variable, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts);
+  for (const hid_t dataset : {table, fixed_texts, variable_texts}) H5Dclose(dataset);
+  for (const hid_t type : {pair, fixed, record, variable}) H5Tclose(type);
+  H5Sclose(space);
+  H5Fclose(file);
+}
+
+TEST(Hdf5, TextsAndColumnsOfTablesAreRead) {
+  const TemporaryFolder folder;
+  WriteTable(folder / "a.h5");
+  const File file = File::OpenForReading(folder / "a.h5");
+  EXPECT_THAT(file.root().ReadTexts("fixed"), ElementsAre("abcd", "x"));
+  EXPECT_THAT(file.root().ReadTexts("variable"), ElementsAre("left ear", "é"));
+  const Array<double> index = file.root().ReadField("table", "index");
+  EXPECT_THAT(index.shape, ElementsAre(2U));
+  EXPECT_THAT(index.values, ElementsAre(7.0, 9.0));
+  const Array<double> values = file.root().ReadField("table", "values_block_0");
+  EXPECT_THAT(values.shape, ElementsAre(2U, 2U));
+  EXPECT_EQ(values.values[0], 1.5);
+  EXPECT_TRUE(std::isnan(values.values[1]));
+  EXPECT_EQ(values.values[3], 3.5);
+  const auto error = [&](const char* name, const char* field) {
+    return ErrorOf(ErrorKind::kBadInput, [&] { (void)file.root().ReadField(name, field); });
+  };
+  EXPECT_THAT(error("table", "other"), HasSubstr("expected a table with a column other, found none"));
+  EXPECT_THAT(error("fixed", "index"), HasSubstr("expected a table with a column index"));
+  EXPECT_THAT(error("table", "name"), HasSubstr("expected numbers in column name"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { (void)file.root().ReadTexts("table"); }),
+              HasSubstr("expected an array of texts"));
+}
+
 TEST(Hdf5, UnreadablePathsAreOneLine) {
   const std::filesystem::path path = "/tmp/" + std::string(300, 'x');
   EXPECT_FALSE(File::IsHdf5(path));

@@ -141,6 +141,7 @@ void CheckOutput(const ImportArguments& arguments) {
   for (const std::string& camera : arguments.cameras) inputs.emplace_back(SplitNameAndPath(camera).second);
   inputs.emplace_back(arguments.calibration);
   inputs.emplace_back(arguments.morph);
+  inputs.emplace_back(arguments.options.layout);
   RequireOutputIsNotAnInput(arguments.output, inputs);
   const AtomicFile probe(arguments.output);
 }
@@ -208,14 +209,16 @@ void AddImportCommand(CLI::App& app) {
   command
       ->add_option(
           "--layout", options.layout,
-          "The detector's layout (default: recognised by the number of keypoints and anatomy). canonpose-detections: "
-          "canonpose-16 (default) or mpii-16")
-      ->type_name("NAME");
+          "The detector's layout (default: what the files say, or recognised by the number of keypoints and anatomy), "
+          "or a "
+          "JSON file with the joints, parents, mirror and root of a skeleton of your own, such as an animal's. "
+          "canonpose-detections: canonpose-16 (default) or mpii-16")
+      ->type_name("NAME|FILE");
   command
-      ->add_option(
-          "--skeleton", arguments->skeleton,
-          "The skeleton to map to, or native for the detector's or benchmark's own joints (default: h36m-17; for "
-          "canonpose-detections: native)")
+      ->add_option("--skeleton", arguments->skeleton,
+                   "The skeleton to map to, or native for the detector's or benchmark's own joints (default: h36m-17; "
+                   "native for "
+                   "animals and for canonpose-detections)")
       ->type_name("NAME");
   command
       ->add_option("--cameras", arguments->chosen_cameras,

@@ -5,8 +5,9 @@
 
 namespace canonpose {
 
-/// Drops track ids that identify nobody: where two people of one frame have the same, where everybody has the same, and
-/// where they only number the people of each frame in order. Reports it where several people are concerned.
+/// Drops track ids that identify nobody: where two people of one frame have the same, and, unless the format keeps
+/// individuals apart, where everybody has the same, or they only number the people of each frame in order. Reports it
+/// where several people are concerned.
 void DropUselessTrackIds(DetectedCamera& camera);
 
 /// Where a detector found one person twice in a frame, so that the keypoints of two detections lie on each other, keeps

@@ -17,10 +17,11 @@
 #include "canonpose/data/calibration_check.h"
 #include "canonpose/data/detection_cleaning.h"
 #include "canonpose/data/image_size_check.h"
-#include "canonpose/data/layout_check.h"
+#include "canonpose/data/own_layout.h"
 #include "canonpose/data/person_tracking.h"
 #include "canonpose/data/readers/calibration.h"
 #include "canonpose/data/readers/formats.h"
+#include "canonpose/data/readers/skeleton_json.h"
 #include "canonpose/skeleton/mapping.h"
 
 namespace canonpose {
@@ -29,6 +30,8 @@ namespace {
 namespace fs = std::filesystem;
 
 using ImageSize = std::array<int, 2>;
+
+constexpr const char* kUsualSkeleton = "h36m-17";
 using Calibration = std::map<std::string, CalibratedCamera>;
 
 /// Coordinates that never exceed this are fractions of the image, not pixels.
@@ -64,7 +67,7 @@ void CheckCameraNamesAndPaths(const std::vector<CameraInput>& cameras) {
                        fmt::format("camera {} also at {}", camera.name, cameras[k].path.string()),
                        "name them with `camera` NAME=PATH"});
       }
-      if (SamePath(cameras[k].path, camera.path)) {
+      if (cameras[k].part == camera.part && SamePath(cameras[k].path, camera.path)) {
         ThrowBadInput({camera.path.string(), "", "another folder or file for each camera",
                        fmt::format("the same for cameras {} and {}", cameras[k].name, camera.name),
                        "give every camera once, with its own detections"});
@@ -77,9 +80,10 @@ std::vector<CameraInput> FindCameras(const ImportOptions& options, const Detecti
   std::vector<CameraInput> cameras;
   for (const fs::path& path : options.paths) {
     for (CameraInput& camera : format.find_cameras(path)) {
-      const bool is_named_by_user = std::any_of(
-          options.cameras.begin(), options.cameras.end(),
-          [&](const CameraInput& named) { return named.name == camera.name || SamePath(named.path, camera.path); });
+      const bool is_named_by_user =
+          std::any_of(options.cameras.begin(), options.cameras.end(), [&](const CameraInput& named) {
+            return named.name == camera.name || (camera.part.empty() && SamePath(named.path, camera.path));
+          });
       if (!is_named_by_user) cameras.push_back(std::move(camera));
     }
   }
@@ -89,7 +93,8 @@ std::vector<CameraInput> FindCameras(const ImportOptions& options, const Detecti
       ThrowBadInput({named.path.string(), "", fmt::format("one camera for {}", named.name),
                      fmt::format("{} cameras", found.size()), "give the path of that camera alone"});
     }
-    cameras.push_back({named.name, found.front().path});
+    cameras.push_back(found.front());
+    cameras.back().name = named.name;
   }
   std::stable_sort(cameras.begin(), cameras.end(),
                    [](const CameraInput& a, const CameraInput& b) { return a.name < b.name; });
@@ -233,7 +238,7 @@ void ReportUnusedParts(const std::set<std::string>& parts) {
 
 void CheckKeypointCounts(const std::vector<KeypointClip>& clips) {
   for (const KeypointClip& clip : clips) {
-    if (clip.keypoint_count == clips.front().keypoint_count) continue;
+    if (clip.keypoint_count == clips.front().keypoint_count || clip.layout) continue;
     ThrowBadInput(
         {clip.path, "", fmt::format("{} keypoints as in camera {}", clips.front().keypoint_count, clips.front().name),
          fmt::format("{} in camera {}", clip.keypoint_count, clip.name), "all cameras must come from one detector"});
@@ -288,6 +293,17 @@ void WarnOfOtherRate(double given, double found) {
 }
 
 LayoutMapping MappingTo(const Skeleton& layout, const std::string& skeleton) {
+  if (skeleton.empty()) {
+    const Skeleton& usual = *FindSkeleton(kUsualSkeleton);
+    if (FindSkeleton(layout.name) != nullptr) return MapLayout(layout, usual);
+    const LayoutMapping mapping = MapAvailableJoints(layout, usual);
+    if (std::none_of(mapping.joints.begin(), mapping.joints.end(),
+                     [](const JointSource& joint) { return joint.sources.empty(); })) {
+      return mapping;
+    }
+    LogInfo("the joints of {} are not a person's, so they are kept as they are", layout.name);
+    return MapLayout(layout, layout);
+  }
   if (skeleton == "native") return MapLayout(layout, layout);
   const Skeleton* target = FindSkeleton(skeleton);
   if (target == nullptr) {
@@ -295,6 +311,22 @@ LayoutMapping MappingTo(const Skeleton& layout, const std::string& skeleton) {
                          BuiltinSkeletonNames());
   }
   return MapLayout(layout, *target);
+}
+
+/// One line about what a layout that is not one of the program's has and the skeleton does not use.
+void ReportLeftOutJoints(const LayoutMapping& mapping) {
+  if (FindSkeleton(mapping.source.name) != nullptr) return;
+  std::vector<bool> is_used(mapping.source.joints.size(), false);
+  for (const JointSource& joint : mapping.joints) {
+    for (const int source : joint.sources) is_used[static_cast<std::size_t>(source)] = true;
+  }
+  std::vector<std::string> left_out;
+  for (std::size_t j = 0; j < is_used.size(); ++j) {
+    if (!is_used[j]) left_out.push_back(mapping.source.joints[j]);
+  }
+  if (left_out.empty()) return;
+  LogInfo("{} of {} keypoints have no place in {} and are left out ({}); `skeleton` native keeps them", left_out.size(),
+          is_used.size(), mapping.target.name, fmt::join(left_out, ", "));
 }
 
 std::vector<KeypointClip> ReadClips(const ImportOptions& options, const DetectionFormat& format,
@@ -315,10 +347,8 @@ std::vector<KeypointClip> ReadClips(const ImportOptions& options, const Detectio
 void ImportOptions::Validate() const {
   FindDetectionFormat(format);
   if (paths.empty() && cameras.empty()) ThrowInvalidArgument("give the paths of the cameras");
-  if (!layout.empty() && FindSkeleton(layout) == nullptr) {
-    ThrowInvalidArgument("there is no layout \"{}\"; the layouts are {}", layout, BuiltinSkeletonNames());
-  }
-  if (skeleton != "native" && FindSkeleton(skeleton) == nullptr) {
+  RequireLayoutName(layout);
+  if (!skeleton.empty() && skeleton != "native" && FindSkeleton(skeleton) == nullptr) {
     ThrowInvalidArgument("there is no skeleton \"{}\"; the skeletons are {} and native", skeleton,
                          BuiltinSkeletonNames());
   }
@@ -336,24 +366,26 @@ void ImportOptions::Validate() const {
 Dataset ImportDetections(const ImportOptions& options) {
   options.Validate();
   const DetectionFormat& format = FindDetectionFormat(options.format);
-  const std::vector<CameraInput> cameras = FindCameras(options, format);
+  std::vector<CameraInput> cameras = FindCameras(options, format);
   CheckNamesExist(options.camera_person, cameras, "`person`");
   CheckNamesExist(options.camera_image_size, cameras, "`image_size`");
   // Cheap checks come before reading, which may take minutes.
   Calibration calibration;
   if (!options.calibration.empty()) calibration = ReadCalibration(options.calibration);
-  std::vector<ImageSize> sizes;
-  for (const CameraInput& camera : cameras) {
-    sizes.push_back(ImageSizeOf(camera, options, calibration));
+  const int keypoint_count = KeypointCountOf(options.layout);
+  for (CameraInput& camera : cameras) {
+    camera.image_size = ImageSizeOf(camera, options, calibration);
+    camera.keypoint_count = keypoint_count;
     if (!options.calibration.empty()) FindCalibration(calibration, camera.name, options.calibration);
   }
 
   std::vector<KeypointClip> clips = ReadClips(options, format, cameras);
   CheckKeypointCounts(clips);
-  const Skeleton& layout = CheckLayout(clips, options.layout);
+  const Skeleton layout = LayoutOf(clips, options.layout);
   const double fps = AlignFrames(clips, options.alignment);
   RefuseIdenticalClips(clips);
   const LayoutMapping mapping = MappingTo(layout, options.skeleton);
+  ReportLeftOutJoints(mapping);
   const double scale = ConfidenceScale(clips);
   if (scale > 1.0) LogInfo("confidences reach {:.3g}; all are divided by this value", scale);
 
@@ -368,9 +400,9 @@ Dataset ImportDetections(const ImportOptions& options) {
   sequence.static_cameras = !options.moving_cameras;
   sequence.frame_count = clips.front().frame_count();
   for (std::size_t i = 0; i < clips.size(); ++i) {
-    CheckImageSize(clips[i], sizes[i]);
+    CheckImageSize(clips[i], cameras[i].image_size);
     CameraView view = MapClip(clips[i], mapping, scale);
-    view.image_size = sizes[i];
+    view.image_size = cameras[i].image_size;
     if (!options.calibration.empty()) {
       view.calibration = CamerasOf(FindCalibration(calibration, view.name, options.calibration), sequence.frame_count,
                                    view.name, options.calibration.string());
@@ -399,11 +431,15 @@ SingleCamera ReadSingleCamera(const fs::path& path, const SingleCameraOptions& o
                    (is_one ? "the camera " : "the cameras ") + names,
                    is_one ? "leave out `camera`, or give its name" : "choose one with `camera` NAME"});
   }
+  cameras.front().image_size = options.image_size;
+  const bool is_native = options.skeleton.joints.empty();
+  cameras.front().keypoint_count = IsSkeletonFile(options.layout) || FindSkeleton(options.layout) != nullptr
+                                       ? KeypointCountOf(options.layout)
+                                       : options.skeleton.joint_count();
   std::set<std::string> unused_parts;
   std::vector<KeypointClip> clips{ReadClip(format, cameras.front(), options.person, unused_parts)};
   ReportUnusedParts(unused_parts);
-  const Skeleton& layout = CheckLayout(clips, options.layout);
-  const bool is_native = options.skeleton.joints.empty();
+  const Skeleton layout = LayoutOf(clips, options.layout, is_native ? nullptr : &options.skeleton);
   const LayoutMapping mapping = MapLayout(layout, is_native ? layout : options.skeleton);
   const double scale = options.confidence_scale > 0.0 ? options.confidence_scale : ConfidenceScale(clips);
   SingleCamera single;

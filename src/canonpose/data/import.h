@@ -16,12 +16,16 @@
 namespace canonpose {
 
 struct ImportOptions {
-  std::string format;                        ///< "openpose", "alphapose", "mmpose" or "coco"
+  std::string format;                        ///< the name of one of DetectionFormats()
   std::vector<std::filesystem::path> paths;  ///< one camera per path, or several where a path is a folder of cameras
   std::vector<CameraInput> cameras;  ///< cameras named by the user; they replace those with the same name or path
-  std::string layout;                ///< the detector's layout; empty: recognised by number of keypoints and anatomy
-  std::string skeleton = "h36m-17";  ///< the skeleton to map to; "native" keeps the detector's joints
-  int person = 1;                    ///< who to follow; 1 is the most prominent person
+  /// The detector's layout, or a JSON file with a skeleton of the user's own (skeleton_json.h). Empty: what the files
+  /// say, or else recognised by the number of keypoints and by anatomy.
+  std::string layout;
+  /// The skeleton to map to; "native" keeps the detector's joints. Empty: h36m-17, or native where the layout is not
+  /// one of the program's and does not have a person's joints.
+  std::string skeleton;
+  int person = 1;                            ///< who to follow; 1 is the most prominent person
   std::map<std::string, int> camera_person;  ///< the same for single cameras
   std::array<int, 2> image_size{0, 0};       ///< width, height in pixels of all cameras; 0: from `calibration`
   std::map<std::string, std::array<int, 2>> camera_image_size;  ///< the same for single cameras

@@ -421,6 +421,7 @@ KeypointClip FollowPerson(const DetectedCamera& camera, int number) {
   clip.name = camera.name;
   clip.path = camera.path;
   clip.keypoint_count = camera.keypoint_count;
+  clip.layout = camera.layout;
   clip.seconds_per_number = camera.seconds_per_number;
   clip.keypoints.assign(camera.frames.size() * count * 2, std::numeric_limits<float>::quiet_NaN());
   clip.confidence.assign(camera.frames.size() * count, 0.0F);

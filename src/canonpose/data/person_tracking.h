@@ -2,6 +2,7 @@
 // each frame.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,8 +43,9 @@ struct KeypointClip {
   std::vector<std::int64_t> frame_numbers;  ///< (T)
   /// Where frames are named by the time, their numbers are multiples of this; 0 where they count frames.
   double seconds_per_number = 0.0;
-  std::vector<float> keypoints;   ///< (T, K, 2) pixels; NaN where missing
-  std::vector<float> confidence;  ///< (T, K) as in the file; 0 where missing
+  std::optional<DetectedLayout> layout;  ///< as the camera's files say; empty where they do not
+  std::vector<float> keypoints;          ///< (T, K, 2) pixels; NaN where missing
+  std::vector<float> confidence;         ///< (T, K) as in the file; 0 where missing
 
   [[nodiscard]] int frame_count() const { return static_cast<int>(frame_numbers.size()); }
 };

@@ -7,6 +7,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/data/import.h"
+#include "canonpose/data/own_layout.h"
 #include "canonpose/skeleton/anthropometry.h"
 
 namespace canonpose {
@@ -51,6 +52,7 @@ LiftInput FromDataset(const fs::path& path, const LiftChoice& choice, const Pose
 
 LiftInput FromDetections(const fs::path& path, const LiftChoice& choice, const PoseLifter& lifter) {
   const DatasetSource& source = lifter.info().source;
+  RequireLayoutName(choice.layout);
   SingleCameraOptions options;
   options.format = choice.format;
   options.layout = choice.layout.empty() ? source.layout : choice.layout;

@@ -11,4 +11,8 @@ namespace canonpose {
 /// without the prefix stay as they are, and so do all where some would become equal.
 std::vector<std::string> WithoutPrefix(const std::vector<std::string>& names);
 
+/// (J) the left-right partner of each joint by its name, or the joint itself: "LEar" and "REar", "left ear" and "right
+/// ear", "ear_L" and "ear_R", "EarLeft" and "EarRight". A side counts where the partner is there, too.
+std::vector<int> SidePartners(const std::vector<std::string>& names);
+
 }  // namespace canonpose

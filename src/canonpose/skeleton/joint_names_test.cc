@@ -27,5 +27,22 @@ TEST(WithoutPrefix, LeavesOtherNamesAlone) {
   }
 }
 
+TEST(SidePartners, FollowFromNames) {
+  EXPECT_THAT(SidePartners({"nose", "left ear", "right ear"}), ElementsAre(0, 2, 1));
+  EXPECT_THAT(SidePartners({"LeftEar", "RightEar", "tail"}), ElementsAre(1, 0, 2));
+  EXPECT_THAT(SidePartners({"forelegR1", "forelegL1"}), ElementsAre(1, 0));
+  EXPECT_THAT(SidePartners({"ear_L", "ear_R", "L_hip", "R_hip", "LKnee", "RKnee", "paw.l", "paw.r"}),
+              ElementsAre(1, 0, 3, 2, 5, 4, 7, 6));
+  EXPECT_THAT(SidePartners({"lankle", "rankle", "EAR_LEFT", "EAR_RIGHT", "kneeL", "kneeR"}),
+              ElementsAre(1, 0, 3, 2, 5, 4));
+}
+
+TEST(SidePartners, AreTheJointItselfWithoutOne) {
+  EXPECT_THAT(SidePartners({"leg", "rear", "lip", "left paw", "root"}), ElementsAre(0, 1, 2, 3, 4));
+  EXPECT_THAT(SidePartners({}), ElementsAre());
+  // A mouse's "rear" must not become the partner of another mouse's "lear".
+  EXPECT_THAT(SidePartners({"rear_left", "rear_right", "lear_x"}), ElementsAre(1, 0, 2));
+}
+
 }  // namespace
 }  // namespace canonpose

@@ -48,7 +48,8 @@ const std::vector<Part>& Parts() {
   return parts;
 }
 
-/// Lower case without punctuation, "left" and "right" shortened to "l" and "r".
+/// Lower case without punctuation, "left" and "right" shortened to "l" and "r" and in front: "lknee" for "knee_left",
+/// "Left Knee" and "knee.L".
 std::string PlainName(std::string_view joint) {
   std::string plain;
   for (const char c : joint) {
@@ -56,8 +57,14 @@ std::string PlainName(std::string_view joint) {
       plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }
   for (const std::string_view side : {"left", "right"}) {
-    if (plain.size() > side.size() && plain.starts_with(side)) return plain.substr(0, 1) + plain.substr(side.size());
+    if (plain.size() <= side.size()) continue;
+    if (plain.starts_with(side)) return plain.substr(0, 1) + plain.substr(side.size());
+    if (plain.ends_with(side)) return std::string(side.substr(0, 1)) + plain.substr(0, plain.size() - side.size());
   }
+  const bool is_letter_apart = joint.size() > 2 && std::isalnum(static_cast<unsigned char>(joint.back())) != 0 &&
+                               std::isalnum(static_cast<unsigned char>(joint[joint.size() - 2])) == 0;
+  if (is_letter_apart && (plain.back() == 'l' || plain.back() == 'r'))
+    return plain.substr(plain.size() - 1) + plain.substr(0, plain.size() - 1);
   return plain;
 }
 

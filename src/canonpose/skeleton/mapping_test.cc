@@ -66,6 +66,15 @@ TEST(MappingTest, APrefixDoesNotMatter) {
   }
 }
 
+TEST(MappingTest, ASideMayStandBehindTheJoint) {
+  const Skeleton layout{"", {"Knee_Left", "knee right", "hand.L", "hand.R", "EAR_LEFT"}, {-1, 0, 0, 0, 0}, 0, {}};
+  EXPECT_EQ(FindPart(layout, "lknee"), 0);
+  EXPECT_EQ(FindPart(layout, "rknee"), 1);
+  EXPECT_EQ(FindPart(layout, "lwrist"), 2);
+  EXPECT_EQ(FindPart(layout, "rwrist"), 3);
+  EXPECT_EQ(FindPart(layout, "lear"), 4);
+}
+
 TEST(MappingTest, MidEarsWhereThereAreNoEyes) {
   Skeleton source = *FindSkeleton("coco-17");
   source.joints[1] = "Whisker1";

@@ -134,6 +134,12 @@ Skeleton MakeCoco18() {
                                   {"LEar", "LEye"}});
 }
 
+/// The feet of COCO's whole bodies, in their order.
+std::vector<NamedJoint> CocoFeet() {
+  return {{"LBigToe", "LAnkle"}, {"LSmallToe", "LBigToe"}, {"LHeel", "LAnkle"},
+          {"RBigToe", "RAnkle"}, {"RSmallToe", "RBigToe"}, {"RHeel", "RAnkle"}};
+}
+
 /// COCO's 17 joints. The trunk is connected by `pelvis` and `neck`, or where these are missing by nose and shoulders.
 std::vector<NamedJoint> Coco17Joints(bool has_trunk) {
   return {{"Nose", has_trunk ? "Neck" : ""},
@@ -153,6 +159,13 @@ std::vector<NamedJoint> Coco17Joints(bool has_trunk) {
           {"RKnee", "RHip"},
           {"LAnkle", "LKnee"},
           {"RAnkle", "RKnee"}};
+}
+
+Skeleton MakeCoco23() {
+  std::vector<NamedJoint> joints = Coco17Joints(false);
+  const std::vector<NamedJoint> feet = CocoFeet();
+  joints.insert(joints.end(), feet.begin(), feet.end());
+  return MakeSkeleton("coco-23", joints);
 }
 
 Skeleton MakeHalpe26() {
@@ -307,7 +320,7 @@ const std::vector<Skeleton>& BuiltinSkeletons() {
   static const std::vector<Skeleton> skeletons = {MakeHuman36m(), MakeCanonPose16(),
                                                   MakeBody25(),   MakeBody25b(),
                                                   MakeCoco18(),   MakeSkeleton("coco-17", Coco17Joints(false)),
-                                                  MakeHalpe26()};
+                                                  MakeHalpe26(),  MakeCoco23()};
   return skeletons;
 }
 

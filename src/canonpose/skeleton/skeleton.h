@@ -31,7 +31,7 @@ struct Skeleton {
 Skeleton Subset(const Skeleton& skeleton, const std::vector<int>& joints);
 
 /// The built-in skeletons and detector layouts, in the order shown to users: h36m-17, canonpose-16, body_25, body_25b,
-/// coco-18, coco-17, halpe-26.
+/// coco-18, coco-17, halpe-26, coco-23 (COCO-WholeBody without face and hands).
 const std::vector<Skeleton>& BuiltinSkeletons();
 
 /// A built-in skeleton by name, ignoring case and the difference between '-' and '_'; null where there is none.

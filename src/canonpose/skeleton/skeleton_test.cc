@@ -10,7 +10,7 @@ Skeleton Stick() { return {"stick", {"Hip", "LKnee", "RKnee"}, {-1, 0, 0}, 0, {0
 TEST(SkeletonTest, BuiltinsHoldTheInvariants) {
   const std::vector<std::pair<std::string, int>> expected = {{"h36m-17", 17},  {"canonpose-16", 16}, {"body_25", 25},
                                                              {"body_25b", 25}, {"coco-18", 18},      {"coco-17", 17},
-                                                             {"halpe-26", 26}};
+                                                             {"halpe-26", 26}, {"coco-23", 23}};
   ASSERT_EQ(BuiltinSkeletons().size(), expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const Skeleton& skeleton = BuiltinSkeletons()[i];
@@ -18,7 +18,7 @@ TEST(SkeletonTest, BuiltinsHoldTheInvariants) {
     EXPECT_EQ(skeleton.joint_count(), expected[i].second);
     EXPECT_EQ(skeleton.Problem(), "") << skeleton.name;
   }
-  EXPECT_EQ(BuiltinSkeletonNames(), "h36m-17, canonpose-16, body_25, body_25b, coco-18, coco-17, halpe-26");
+  EXPECT_EQ(BuiltinSkeletonNames(), "h36m-17, canonpose-16, body_25, body_25b, coco-18, coco-17, halpe-26, coco-23");
 }
 
 TEST(SkeletonTest, SidesMirrorEachOtherAndTheMidlineItself) {
@@ -50,6 +50,8 @@ TEST(SkeletonTest, PlacesOfJointsAreThoseOfTheFormats) {
   expect("coco-17", "RAnkle", 16);
   expect("halpe-26", "Hip", 19);
   expect("halpe-26", "RBigToe", 21);
+  expect("coco-23", "LHeel", 19);
+  expect("coco-23", "RBigToe", 20);
   EXPECT_EQ(FindSkeleton("canonpose-16")->root, 6);
   EXPECT_EQ(FindSkeleton("body_25")->root, 8);
 }

@@ -80,12 +80,14 @@ std::string KindOfFile(const std::filesystem::path& path) {
 
 std::string AdviceForKind(std::string_view kind) {
   if (kind == kVideo || kind == kImage) {
-    return "run a 2D keypoint detector on it first, and give the JSON files that the detector writes (openpose, "
-           "alphapose, mmpose or coco)";
+    return "run a 2D keypoint detector on it first, and give the files that the detector writes (openpose, alphapose, "
+           "mmpose, coco, ...)";
   }
   if (kind == kZip || kind == kCompressed) return "unpack it first";
+  if (kind == kHdf5) return "HDF5 files of detectors are read as deeplabcut or sleap";
+  if (kind == kNumPy) return "NumPy files of detectors are read as freemocap";
   if (kind.empty()) return "";
-  return "give the JSON files that a 2D keypoint detector writes (openpose, alphapose, mmpose or coco)";
+  return "give the files that a 2D keypoint detector writes (openpose, alphapose, mmpose, coco, ...)";
 }
 
 }  // namespace canonpose

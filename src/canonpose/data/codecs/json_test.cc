@@ -105,7 +105,8 @@ TEST(Json, NumbersMustBeNumbersThatFit) {
 TEST(Json, OtherFilesAreRefused) {
   EXPECT_THAT(LoadError("hello, world"),
               AllOf(HasSubstr("line 1, column 1"), HasSubstr("expected JSON, found 'hello'")));
-  EXPECT_THAT(LoadError("\x89HDF\r\n"), HasSubstr("expected JSON, found an HDF5 file; give the JSON files"));
+  EXPECT_THAT(LoadError("\x89HDF\r\n"),
+              HasSubstr("expected JSON, found an HDF5 file; HDF5 files of detectors are read as"));
   EXPECT_THAT(LoadError(std::string("\0\0\0\x20"
                                     "ftypisom",
                                     12)),

@@ -1,5 +1,4 @@
-// The bytes of one .npy array (https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html). Only for
-// npz.cc.
+// The bytes of one .npy array (https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html).
 #pragma once
 
 #include <string>

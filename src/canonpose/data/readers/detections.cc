@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -13,6 +12,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
+#include "canonpose/base/names.h"
 #include "canonpose/data/readers/frame_numbers.h"
 
 namespace canonpose {
@@ -26,13 +26,14 @@ constexpr std::int64_t kLargestFrameNumber = 2'000'000'000'000'000'000;
 constexpr std::int64_t kLargestCounterStep = 4;
 constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
 
-/// Whole-body sets start with a body set; the face and the hands that follow are left out.
+/// Whole-body sets start with body and feet; the face and the hands that follow are left out.
 struct WholeBodySet {
   std::size_t keypoint_count;
   std::size_t body_count;
-  bool has_unused_feet;
 };
-constexpr std::array<WholeBodySet, 2> kWholeBodySets{{{136, 26, false}, {133, 17, true}}};
+constexpr std::array<WholeBodySet, 2> kWholeBodySets{{{136, 26}, {133, 23}}};
+/// More joints than anybody marks on a body.
+constexpr std::size_t kMostNamedJoints = 512;
 
 std::size_t BodyCount(std::size_t keypoint_count) {
   for (const WholeBodySet& set : kWholeBodySets) {
@@ -41,14 +42,32 @@ std::size_t BodyCount(std::size_t keypoint_count) {
   return keypoint_count;
 }
 
+/// A person of the first `count` keypoints.
+std::optional<DetectedPerson> PersonOf(const std::vector<double>& triples, std::size_t count) {
+  DetectedPerson person;
+  person.keypoints.assign(2 * count, kMissing);
+  person.confidence.assign(count, 0.0F);
+  bool is_seen = false;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double x = triples[3 * k];
+    const double y = triples[3 * k + 1];
+    const double confidence = triples[3 * k + 2];
+    if (!(confidence > 0.0) || std::isnan(x) || std::isnan(y) || (x == 0.0 && y == 0.0)) continue;
+    person.keypoints[2 * k] = static_cast<float>(x);
+    person.keypoints[2 * k + 1] = static_cast<float>(y);
+    person.confidence[k] = static_cast<float>(confidence);
+    is_seen = true;
+  }
+  if (!is_seen) return std::nullopt;
+  return person;
+}
+
 bool IsHidden(const fs::path& path) { return path.filename().string().starts_with("."); }
 
-std::string LowerExtension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension;
-}
+std::string LowerExtension(const fs::path& path) { return LowerCase(path.extension().string()); }
+
+/// What stands behind a camera's name in a file's name.
+constexpr std::array<std::string_view, 5> kFileExtensions{".json", ".csv", ".h5", ".hdf5", ".npy"};
 
 template <typename Keep>
 std::vector<fs::path> ListFolder(const fs::path& folder, Keep&& keep, bool with_hidden = false) {
@@ -67,23 +86,11 @@ std::vector<fs::path> ListFolder(const fs::path& folder, Keep&& keep, bool with_
 }  // namespace
 
 std::optional<DetectedPerson> PersonFromTriples(const std::vector<double>& triples) {
-  const std::size_t count = BodyCount(triples.size() / 3);
-  DetectedPerson person;
-  person.keypoints.assign(2 * count, kMissing);
-  person.confidence.assign(count, 0.0F);
-  bool is_seen = false;
-  for (std::size_t k = 0; k < count; ++k) {
-    const double x = triples[3 * k];
-    const double y = triples[3 * k + 1];
-    const double confidence = triples[3 * k + 2];
-    if (!(confidence > 0.0) || std::isnan(x) || std::isnan(y) || (x == 0.0 && y == 0.0)) continue;
-    person.keypoints[2 * k] = static_cast<float>(x);
-    person.keypoints[2 * k + 1] = static_cast<float>(y);
-    person.confidence[k] = static_cast<float>(confidence);
-    is_seen = true;
-  }
-  if (!is_seen) return std::nullopt;
-  return person;
+  return PersonOf(triples, BodyCount(triples.size() / 3));
+}
+
+std::optional<DetectedPerson> PersonFromNamedTriples(const std::vector<double>& triples) {
+  return PersonOf(triples, triples.size() / 3);
 }
 
 CameraBuilder::CameraBuilder(const CameraInput& input) {
@@ -139,8 +146,24 @@ void CameraBuilder::NoteKeypointCount(std::size_t count) {
     if (set.keypoint_count != count) continue;
     NoteUnusedPart("hands");
     NoteUnusedPart("face");
-    if (set.has_unused_feet) NoteUnusedPart("feet");
   }
+}
+
+void CameraBuilder::SetLayout(DetectedLayout layout, const std::string& file, const std::string& place) {
+  if (layout.joints.size() > kMostNamedJoints) {
+    ThrowBadInput({file, place, fmt::format("the names of at most {} joints", kMostNamedJoints),
+                   fmt::format("{}", layout.joints.size()), "check the file's header"});
+  }
+  for (std::size_t j = 0; j < layout.joints.size(); ++j) {
+    const std::string& name = layout.joints[j];
+    const bool is_double = std::any_of(layout.joints.begin(), layout.joints.begin() + static_cast<std::ptrdiff_t>(j),
+                                       [&](const std::string& other) { return SameName(name, other); });
+    if (!name.empty() && !is_double) continue;
+    ThrowBadInput({file, place, "a name of its own for each joint",
+                   name.empty() ? fmt::format("none for joint {}", j) : fmt::format("\"{}\" twice", name),
+                   "check the file's header"});
+  }
+  camera_.layout = std::move(layout);
 }
 
 void CameraBuilder::LeaveOut(const fs::path& file) { left_out_.push_back(file); }
@@ -211,11 +234,15 @@ DetectedCamera CameraBuilder::Finish(bool fill_gaps) {
   return std::move(camera_);
 }
 
-std::vector<fs::path> JsonFilesIn(const fs::path& folder) {
-  return ListFolder(folder, [](const fs::directory_entry& entry, std::error_code& error) {
-    return entry.is_regular_file(error) && LowerExtension(entry.path()) == ".json";
+std::vector<fs::path> FilesIn(const fs::path& folder, const std::vector<std::string_view>& extensions) {
+  return ListFolder(folder, [&](const fs::directory_entry& entry, std::error_code& error) {
+    const std::string extension = LowerExtension(entry.path());
+    return entry.is_regular_file(error) &&
+           std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
   });
 }
+
+std::vector<fs::path> JsonFilesIn(const fs::path& folder) { return FilesIn(folder, {".json"}); }
 
 std::vector<fs::path> OtherFilesIn(const fs::path& folder) {
   return ListFolder(
@@ -240,10 +267,11 @@ std::string FirstAndCount(const std::vector<fs::path>& paths) {
 std::string CameraNameOf(const fs::path& path) {
   fs::path plain = fs::absolute(path).lexically_normal();
   if (!plain.has_filename()) plain = plain.parent_path();
-  const bool is_json = LowerExtension(plain) == ".json";
-  std::string name = (is_json ? plain.stem() : plain.filename()).string();
-  static constexpr std::array<std::string_view, 4> kSameForAll{"alphapose-results", "alphapose-results-forvis",
-                                                               "sep-json", "results"};
+  const bool is_file =
+      std::find(kFileExtensions.begin(), kFileExtensions.end(), LowerExtension(plain)) != kFileExtensions.end();
+  std::string name = (is_file ? plain.stem() : plain.filename()).string();
+  static constexpr std::array<std::string_view, 5> kSameForAll{"alphapose-results", "alphapose-results-forvis",
+                                                               "sep-json", "results", "labels"};
   const bool is_same_for_all = std::find(kSameForAll.begin(), kSameForAll.end(), name) != kSameForAll.end();
   if (!is_same_for_all) return name;
   const std::string above = plain.parent_path().filename().string();

@@ -23,8 +23,25 @@ namespace {
 namespace fs = std::filesystem;
 
 /// What COCO-WholeBody keeps beside the body's keypoints.
-constexpr std::array<std::pair<const char*, const char*>, 4> kOtherCocoParts{
-    {{"foot_kpts", "feet"}, {"face_kpts", "face"}, {"lefthand_kpts", "hands"}, {"righthand_kpts", "hands"}}};
+constexpr std::array<std::pair<const char*, const char*>, 3> kOtherCocoParts{
+    {{"face_kpts", "face"}, {"lefthand_kpts", "hands"}, {"righthand_kpts", "hands"}}};
+constexpr const char* kCocoFeet = "foot_kpts";
+constexpr std::size_t kCocoBodyValues = 3 * 17;
+constexpr std::size_t kCocoFootValues = 3 * 6;
+
+/// Appends the feet that COCO-WholeBody keeps beside the body's 17 keypoints, as missing where a person has none, so
+/// that all people have the layout coco-23.
+void AppendFeet(const JsonValue& entry, std::vector<double>& triples) {
+  if (!entry.Contains(kCocoFeet) || triples.size() != kCocoBodyValues) return;
+  const JsonValue value = entry[kCocoFeet];
+  std::vector<double> feet(kCocoFootValues, 0.0);
+  if (!value.IsNull()) feet = value.NumbersOrNaN();
+  if (feet.size() != kCocoFootValues) {
+    value.Fail(fmt::format("{} values (x, y, confidence of six keypoints)", kCocoFootValues), "export it again",
+               fmt::format("{} values", feet.size()));
+  }
+  triples.insert(triples.end(), feet.begin(), feet.end());
+}
 
 /// A track id: a number, or, as some trackers write it, a number in an array.
 std::optional<std::int64_t> TrackId(const JsonValue& entry) {
@@ -143,7 +160,8 @@ void ReadFlatList(const JsonValue& list, CameraBuilder& builder) {
     }
     const JsonValue keypoints = entry["keypoints"];
     if (keypoints.IsNull()) continue;
-    const std::vector<double> triples = Triples(keypoints);
+    std::vector<double> triples = Triples(keypoints);
+    AppendFeet(entry, triples);
     builder.NoteKeypointCount(triples.size() / 3);
     std::optional<DetectedPerson> person = PersonFromTriples(triples);
     if (!person) continue;
@@ -231,7 +249,11 @@ std::string AdviseFolder(const fs::path& folder, const std::string& advice) {
     const std::string kind = KindOfFile(file);
     if (kind == "a video" || kind == "an image") return AdviceForKind(kind);
   }
-  return advice;
+  // Of formats in JSON the reader itself knows what is missing.
+  static constexpr std::array<std::string_view, 4> kInJson{"openpose", "alphapose", "mmpose", "coco"};
+  const std::string format = LooksLikeFormat(folder);
+  const bool is_other = !format.empty() && std::find(kInJson.begin(), kInJson.end(), format) == kInJson.end();
+  return is_other ? fmt::format("this looks like the format {}", format) : advice;
 }
 
 void FailFormat(const JsonValue& root, const std::string& expected) {

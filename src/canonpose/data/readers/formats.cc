@@ -13,9 +13,15 @@
 #include "canonpose/data/readers/alphapose.h"
 #include "canonpose/data/readers/benchmarks/benchmark.h"
 #include "canonpose/data/readers/coco.h"
+#include "canonpose/data/readers/deeplabcut.h"
 #include "canonpose/data/readers/flat_list.h"
+#include "canonpose/data/readers/frame_numbers.h"
+#include "canonpose/data/readers/freemocap.h"
+#include "canonpose/data/readers/mediapipe.h"
 #include "canonpose/data/readers/mmpose.h"
 #include "canonpose/data/readers/openpose.h"
+#include "canonpose/data/readers/sleap.h"
+#include "canonpose/data/readers/ultralytics.h"
 
 namespace canonpose {
 namespace {
@@ -44,6 +50,24 @@ std::string GuessList(const JsonValue& list) {
   return "";
 }
 
+/// The formats that are recognised by the first entry.
+std::string GuessUsual(const JsonValue& root) {
+  if (root.json().is_array()) return GuessList(root);
+  if (!root.json().is_object()) return "";
+  if (root.Has("instance_info") || root.Has("predictions")) return LooksLikeUltralytics(root) ? "" : "mmpose";
+  if (root.Has("bodies")) return "alphapose";
+  if (root.Contains("people")) {
+    if (LooksLikeUltralytics(root)) return "";
+    // AlphaPose imitates OpenPose, with a string where OpenPose has a number.
+    const std::optional<JsonValue> version = root.Find("version");
+    return version && version->json().is_string() ? "alphapose" : "openpose";
+  }
+  const std::vector<std::string> keys = root.Keys();
+  if (keys.empty()) return "";
+  const JsonValue first = root[keys.front()];
+  return first.Has("people") || first.Has("bodies") ? "alphapose" : "";
+}
+
 /// How many files of a folder are examined; other files, such as a calibration, may come before the detections.
 constexpr std::size_t kFilesToGuessFrom = 10;
 
@@ -57,11 +81,38 @@ std::string GuessFolder(const fs::path& folder) {
   return "";
 }
 
+/// The format of a file that is not JSON; empty where it is none.
+std::string GuessOtherFile(const fs::path& file) {
+  const std::string extension = LowerCase(file.extension().string());
+  if (extension == ".npy") return IsFreemocapFile(file) ? "freemocap" : "";
+  if (IsSleapFile(file)) return "sleap";
+  if (IsDeepLabCutFile(file)) return "deeplabcut";
+  return extension == ".csv" ? "mediapipe" : "";
+}
+
+/// The format of a folder's files that are not JSON.
+std::string GuessOtherFolder(const fs::path& folder) {
+  std::vector<fs::path> files = FilesIn(folder, {".csv", ".h5", ".hdf5", ".npy"});
+  if (files.size() > kFilesToGuessFrom) files.resize(kFilesToGuessFrom);
+  for (const fs::path& file : files) {
+    if (std::string format = GuessOtherFile(file); !format.empty()) return format;
+  }
+  const std::vector<fs::path> texts = FilesIn(folder, {".txt"});
+  const bool are_frames = std::any_of(texts.begin(), texts.end(), [](const fs::path& file) {
+    return LastNumber(file.filename().string()).has_value();
+  });
+  return are_frames ? "ultralytics" : "";
+}
+
 /// The path may contain camera folders, and each of these a folder of frames.
 std::string GuessPath(const fs::path& path, int levels_below) {
   std::error_code error;
-  if (!fs::is_directory(path, error)) return GuessFormat(JsonValue::Load(path));
+  if (!fs::is_directory(path, error)) {
+    std::string format = GuessOtherFile(path);
+    return format.empty() ? GuessFormat(JsonValue::Load(path)) : format;
+  }
   std::string format = GuessFolder(path);
+  if (format.empty()) format = GuessOtherFolder(path);
   if (!format.empty() || levels_below == 0) return format;
   for (const fs::path& inner : FoldersIn(path)) {
     format = GuessPath(inner, levels_below - 1);
@@ -76,7 +127,12 @@ const std::vector<DetectionFormat>& DetectionFormats() {
   static const std::vector<DetectionFormat> formats = {{"openpose", FindOpenPoseCameras, ReadOpenPose},
                                                        {"alphapose", FindAlphaPoseCameras, ReadAlphaPose},
                                                        {"mmpose", FindMmposeCameras, ReadMmpose},
-                                                       {"coco", FindCocoCameras, ReadCoco}};
+                                                       {"coco", FindCocoCameras, ReadCoco},
+                                                       {"deeplabcut", FindDeepLabCutCameras, ReadDeepLabCut},
+                                                       {"sleap", FindSleapCameras, ReadSleap},
+                                                       {"mediapipe", FindMediapipeCameras, ReadMediapipe},
+                                                       {"ultralytics", FindUltralyticsCameras, ReadUltralytics},
+                                                       {"freemocap", FindFreemocapCameras, ReadFreemocap}};
   return formats;
 }
 
@@ -94,22 +150,21 @@ std::string DetectionFormatNames() {
   return names;
 }
 
+std::string LooksLikeFormat(const fs::path& path) {
+  try {
+    return GuessPath(path, 2);
+  } catch (const Error&) {
+    return "";
+  }
+}
+
 bool HasDetections(const fs::path& folder) { return !GuessFolder(folder).empty(); }
 
 std::string GuessFormat(const JsonValue& root) {
-  if (root.json().is_array()) return GuessList(root);
-  if (!root.json().is_object()) return "";
-  if (root.Has("instance_info") || root.Has("predictions")) return "mmpose";
-  if (root.Has("bodies")) return "alphapose";
-  if (root.Contains("people")) {
-    // AlphaPose imitates OpenPose, with a string where OpenPose has a number.
-    const std::optional<JsonValue> version = root.Find("version");
-    return version && version->json().is_string() ? "alphapose" : "openpose";
-  }
-  const std::vector<std::string> keys = root.Keys();
-  if (keys.empty()) return "";
-  const JsonValue first = root[keys.front()];
-  return first.Has("people") || first.Has("bodies") ? "alphapose" : "";
+  const std::string format = GuessUsual(root);
+  if (!format.empty()) return format;
+  if (LooksLikeMediapipe(root)) return "mediapipe";
+  return LooksLikeUltralytics(root) ? "ultralytics" : "";
 }
 
 std::string DescribeContent(const JsonValue& root) {

@@ -30,6 +30,9 @@ std::string DetectionFormatNames();
 /// sub-folder with one. Throws Error(kBadInput) where it is not recognised.
 std::string DetectFormat(const std::filesystem::path& path);
 
+/// The same; empty where it is not recognised or cannot be read.
+std::string LooksLikeFormat(const std::filesystem::path& path);
+
 /// Whether one of the first JSON files of a folder looks like a format.
 bool HasDetections(const std::filesystem::path& folder);
 

@@ -34,7 +34,10 @@ constexpr int kFrameWithMissingJoint = 2;
 std::vector<DetectedCamera> ReadAll(const std::string& format, const fs::path& path) {
   const DetectionFormat& table = FindDetectionFormat(format);
   std::vector<DetectedCamera> cameras;
-  for (const CameraInput& input : table.find_cameras(path)) cameras.push_back(table.read(input));
+  for (CameraInput input : table.find_cameras(path)) {
+    input.image_size = {640, 480};
+    cameras.push_back(table.read(input));
+  }
   return cameras;
 }
 
@@ -123,7 +126,11 @@ INSTANTIATE_TEST_SUITE_P(
                       Sample{"alphapose_open", "alphapose", 18, 7, 0}, Sample{"alphapose_cmu", "alphapose", 18, 7, 0},
                       Sample{"alphapose_sep", "alphapose", 18, 7, 0}, Sample{"mmpose_video", "mmpose", 17, 9, 1},
                       Sample{"mmpose_demo", "mmpose", 17, 9, 1}, Sample{"mmpose_images", "mmpose", 17, 9, 1},
-                      Sample{"coco", "coco", 17, 9, 1}),
+                      Sample{"coco", "coco", 17, 9, 1}, Sample{"mmpose_133", "mmpose", 23, 9, 1},
+                      Sample{"deeplabcut", "deeplabcut", 17, 9, 0}, Sample{"deeplabcut_table", "deeplabcut", 17, 9, 0},
+                      Sample{"deeplabcut_fixed", "deeplabcut", 17, 9, 0}, Sample{"sleap", "sleap", 17, 9, 0},
+                      Sample{"sleap_standard", "sleap", 17, 9, 0}, Sample{"ultralytics_txt", "ultralytics", 17, 9, 1},
+                      Sample{"ultralytics_json", "ultralytics", 17, 9, 0}),
     [](const auto& sample) { return std::string(sample.param.folder); });
 
 TEST(Formats, FormsOfOneDetectorAgree) {
@@ -134,6 +141,10 @@ TEST(Formats, FormsOfOneDetectorAgree) {
   ExpectSame(ReadAll("mmpose", all / "mmpose_video"), ReadAll("mmpose", all / "mmpose_demo"));
   ExpectSame(ReadAll("mmpose", all / "mmpose_video"), ReadAll("mmpose", all / "mmpose_images"));
   ExpectSame(ReadAll("mmpose", all / "mmpose_video"), ReadAll("coco", all / "coco"));
+  ExpectSame(ReadAll("deeplabcut", all / "deeplabcut"), ReadAll("deeplabcut", all / "deeplabcut_table"));
+  ExpectSame(ReadAll("deeplabcut", all / "deeplabcut"), ReadAll("deeplabcut", all / "deeplabcut_fixed"));
+  ExpectSame(ReadAll("deeplabcut", all / "deeplabcut"), ReadAll("sleap", all / "sleap"));
+  ExpectSame(ReadAll("deeplabcut", all / "deeplabcut"), ReadAll("sleap", all / "sleap_standard"));
 }
 
 TEST(Formats, CamerasAreNamedByTheFileOrFolderThatDiffers) {
@@ -172,6 +183,12 @@ TEST(Formats, TheWrongFormatNamesTheRightOne) {
               HasSubstr("looks like the format mmpose"));
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("alphapose", all / "mmpose_demo"); }),
               HasSubstr("looks like the format mmpose"));
+  for (const char* const format : {"openpose", "alphapose", "sleap", "mediapipe"}) {
+    EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll(format, all / "deeplabcut"); }),
+                HasSubstr("looks like the format deeplabcut"));
+  }
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll("deeplabcut", all / "coco"); }),
+              HasSubstr("looks like the format coco"));
 }
 
 TEST(OpenPose, FramesAreSortedByNumberAndNotByName) {
@@ -211,7 +228,7 @@ TEST(OpenPose, BadContentNamesFileAndPlace) {
   EXPECT_THAT(OpenPoseError("[]"), HasSubstr("expected an object with people, found an array"));
   EXPECT_THAT(OpenPoseError(R"({"fps": 60, "a": []})"),
               AllOf(HasSubstr("expected an object with people, found an object with a, fps"),
-                    HasSubstr("the files that a 2D keypoint detector writes (openpose, alphapose, mmpose, coco)")));
+                    HasSubstr("the files that a 2D keypoint detector writes (openpose, alphapose, mmpose, coco, ")));
   EXPECT_THAT(OpenPoseError(R"({"people": {}})"), HasSubstr("people: expected an array, found an object"));
   EXPECT_THAT(OpenPoseError(R"({"people": [{"face_keypoints_2d": []}]})"),
               HasSubstr("people[0]: expected an object with pose_keypoints_2d"));
@@ -336,7 +353,7 @@ TEST(Formats, VideosNeedADetector) {
   for (const char* format : {"openpose", "alphapose", "mmpose", "coco"}) {
     EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll(format, folder / "cam1.mp4"); }),
                 AllOf(HasSubstr("found a video; run a 2D keypoint detector on it first"),
-                      HasSubstr("openpose, alphapose, mmpose or coco")))
+                      HasSubstr("openpose, alphapose, mmpose, coco, ...")))
         << format;
     EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadAll(format, folder.path()); }),
                 HasSubstr("found 2 videos (cam1.mp4 and 1 more); run a 2D keypoint detector"))

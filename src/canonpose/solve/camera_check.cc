@@ -38,6 +38,9 @@ constexpr double kPairGain = 0.6;
 /// Two views at half the frame rate are believed if the error falls below this multiple of that with all views as they
 /// are, and kAgreementGain times that of any other two.
 constexpr double kSlowPairGain = 0.85;
+/// A view that was corrected and still has so many outliers was misread: it shows something else, parts of which fit.
+/// Views at half the frame rate, rightly read, have up to 20 %.
+constexpr double kMisreadOutliers = 0.3;
 /// Of CappedError().
 constexpr double kLargeError = 0.03;
 /// Pairs of views are tried up to this many.
@@ -147,12 +150,6 @@ std::optional<Consensus> Agree(const CaptureObservations& capture, const Calibra
   return consensus;
 }
 
-/// Whether two captures of the same frames have the same keypoints, of which those that are not seen are NaN.
-bool HasSameKeypoints(const CaptureObservations& a, const CaptureObservations& b) {
-  const auto is_same = [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); };
-  return a.confidence == b.confidence && std::ranges::equal(a.xy, b.xy, is_same);
-}
-
 std::vector<int> KnownViews(const std::vector<ViewSigns>& signs) {
   std::vector<int> known;
   for (std::size_t v = 0; v < signs.size(); ++v) {
@@ -193,6 +190,8 @@ class Examination {
   /// The median log focal length of the views that agree.
   [[nodiscard]] double FocalOf(const Consensus& consensus, int clip) const;
   void Correct(const Consensus& consensus, int view);
+  /// Drops views that do not fit although they were corrected; whether there were any.
+  bool DropMisread(const std::vector<ViewSigns>& signs);
   void Drop(int view, const Rejection& rejection);
 
   const CaptureObservations& original_;
@@ -396,10 +395,25 @@ void Examination::Drop(int view, const Rejection& rejection) {
   for (std::vector<ViewCorrection>& corrections : check_.corrections) corrections[static_cast<std::size_t>(view)] = {};
 }
 
+bool Examination::DropMisread(const std::vector<ViewSigns>& signs) {
+  bool is_any = false;
+  for (const int v : corrected_) {
+    const ViewSigns& view = signs[static_cast<std::size_t>(v)];
+    if (!view.known || view.outliers < kMisreadOutliers) continue;
+    Drop(v, kNotTheSame);
+    is_any = true;
+  }
+  return is_any;
+}
+
 bool Examination::Run() {
   if (looked_at_ && HasSameKeypoints(*looked_at_, capture_)) return false;
   looked_at_ = capture_;
   const std::vector<ViewSigns> signs = MeasureSigns(capture_, solution_);
+  if (DropMisread(signs)) {
+    solution_ = calibrate_(capture_);
+    return true;
+  }
   if (!AnyAlarm(signs) && Doubtful(MeasurePlausibility(capture_, solution_)).empty()) return false;
   const std::optional<Consensus> consensus = FindConsensus(signs);
   if (!consensus) return false;

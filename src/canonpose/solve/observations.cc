@@ -197,4 +197,9 @@ CaptureObservations SingleFrame(const CaptureObservations& capture, std::span<co
   return single;
 }
 
+bool HasSameKeypoints(const CaptureObservations& a, const CaptureObservations& b) {
+  const auto is_same = [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+  return a.confidence == b.confidence && std::ranges::equal(a.xy, b.xy, is_same);
+}
+
 }  // namespace canonpose

@@ -91,4 +91,7 @@ CaptureObservations SingleClip(const CaptureObservations& capture, int clip);
 /// negative. It has no clips and no start poses.
 CaptureObservations SingleFrame(const CaptureObservations& capture, std::span<const int> frame_of_view);
 
+/// Whether two captures of the same frames and cameras have the same keypoints, those that are not seen included.
+bool HasSameKeypoints(const CaptureObservations& a, const CaptureObservations& b);
+
 }  // namespace canonpose

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 namespace canonpose {
@@ -11,8 +12,8 @@ namespace {
 constexpr std::array<std::size_t, 4> kTrunkOutline{kLShoulder, kRShoulder, kRHip, kLHip};
 /// Clothes and flesh reach beyond the joints by so much of the distance from the middle.
 constexpr float kTrunkGrowth = 1.25F;
-/// Feet are level where they differ by less than so much of a person's size.
-constexpr float kLevelFeet = 0.15F;
+/// Scores of hidden joints are lower by more than that.
+constexpr float kClearScore = 0.1F;
 
 using Outline = std::array<Eigen::Vector2f, 4>;
 
@@ -64,12 +65,12 @@ float MeanScoreInside(const DetectedPose& pose, const std::optional<Outline>& ou
 }
 
 bool IsInFront(const DetectedPose& a, const DetectedPose& b) {
+  const float score_a = MeanScoreInside(a, TrunkOf(b));
+  const float score_b = MeanScoreInside(b, TrunkOf(a));
+  if (std::abs(score_a - score_b) > kClearScore) return score_a > score_b;
   const std::optional<float> feet_a = FeetOf(a);
   const std::optional<float> feet_b = FeetOf(b);
-  if (feet_a && feet_b && std::abs(*feet_a - *feet_b) > kLevelFeet * std::max(SizeOf(a), SizeOf(b))) {
-    return *feet_a > *feet_b;
-  }
-  return MeanScoreInside(a, TrunkOf(b)) >= MeanScoreInside(b, TrunkOf(a));
+  return feet_a && feet_b ? *feet_a > *feet_b : score_a > score_b;
 }
 
 }  // namespace

@@ -21,9 +21,16 @@ constexpr float kLargestJump = 0.8F;
 /// Poses nearer than that are one person.
 constexpr float kSamePerson = 0.3F;
 /// The search in the whole image is less precise.
-constexpr float kFoundAgain = 0.5F;
+constexpr float kFoundAgain = 0.4F;
+/// A pose is one person's rather than another's if its distance is so many times smaller.
+constexpr float kClearlyNearer = 0.6F;
+/// People nearer than that may be taken for each other; then the whole image is searched so often, or, where they are
+/// nearer still, in every frame.
+constexpr float kNear = 1.0F;
+constexpr float kVeryNear = 0.6F;
+constexpr long kSearchIntervalOfNear = 3;
 /// How much of a distance a difference in colour is worth.
-constexpr float kColourWeight = 4.0F;
+constexpr float kColourWeight = 5.0F;
 constexpr float kUnknownColour = 0.12F;
 /// Colours of one person change with light and pose by less than that.
 constexpr float kSameColour = 0.14F;
@@ -45,6 +52,19 @@ constexpr float kSureScore = 0.4F;
 constexpr int kMostDoubts = 3;
 /// Somebody who was seen less often is forgotten when lost.
 constexpr int kFewestSightings = 3;
+
+/// In sizes of the smaller person, so that somebody far away is not taken for somebody near.
+float DistanceBetween(const DetectedPose& a, const DetectedPose& b) {
+  return std::max(PoseDistance(a, b), PoseDistance(b, a));
+}
+
+/// Whether the pose of a crop is that of one of the people found, and not another's, or a mixture of two.
+bool IsOf(const DetectedPose& pose, const std::vector<DetectedPose>& found, std::size_t person) {
+  const float distance = DistanceBetween(pose, found[person]);
+  return distance < kFoundAgain && std::ranges::none_of(found, [&](const DetectedPose& other) {
+           return &other != &found[person] && distance > kClearlyNearer * DistanceBetween(pose, other);
+         });
+}
 
 }  // namespace
 
@@ -88,7 +108,7 @@ void PersonTracker::Follow(const cv::Mat& image) {
 void PersonTracker::DropDuplicates() {
   for (std::size_t a = 0; a < candidates_.size(); ++a) {
     for (std::size_t b = a + 1; b < candidates_.size();) {
-      if (PoseDistance(candidates_[a].pose, candidates_[b].pose) > kSamePerson) {
+      if (DistanceBetween(candidates_[a].pose, candidates_[b].pose) > kSamePerson) {
         ++b;
         continue;
       }
@@ -106,6 +126,8 @@ void PersonTracker::DropDuplicates() {
 
 bool PersonTracker::IsSearchDue() const {
   if (last_search_ < 0 || frame_ - last_search_ >= options_.search_interval) return true;
+  const float nearest = NearestDistance();
+  if (nearest < kVeryNear || (nearest < kNear && frame_ - last_search_ >= kSearchIntervalOfNear)) return true;
   const bool lost_now = std::ranges::any_of(tracks_, [&](const Track& track) {
     return track.last_frame + 1 == frame_ &&
            std::ranges::none_of(candidates_, [&](const Candidate& c) { return tracks_[c.track].id == track.id; });
@@ -113,10 +135,20 @@ bool PersonTracker::IsSearchDue() const {
   return lost_now || frame_ == next_try_;
 }
 
+float PersonTracker::NearestDistance() const {
+  float nearest = std::numeric_limits<float>::infinity();
+  for (std::size_t a = 0; a < candidates_.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      nearest = std::min({nearest, PoseDistance(candidates_[a].pose, candidates_[b].pose),
+                          PoseDistance(candidates_[b].pose, candidates_[a].pose)});
+    }
+  }
+  return nearest;
+}
+
 bool PersonTracker::IsTaken(const DetectedPose& pose) const {
-  return std::ranges::any_of(candidates_, [&](const Candidate& candidate) {
-    return PoseDistance(candidate.pose, pose) < kFoundAgain || PoseDistance(pose, candidate.pose) < kFoundAgain;
-  });
+  return std::ranges::any_of(
+      candidates_, [&](const Candidate& candidate) { return DistanceBetween(candidate.pose, pose) < kFoundAgain; });
 }
 
 std::optional<std::size_t> PersonTracker::FindLost(const DetectedPose& pose, const Appearance& appearance) const {
@@ -145,24 +177,71 @@ std::optional<std::size_t> PersonTracker::FindLost(const DetectedPose& pose, con
 void PersonTracker::DoubtWhoWasNotFound(const std::vector<DetectedPose>& found) {
   std::erase_if(candidates_, [&](const Candidate& candidate) {
     const bool is_found = std::ranges::any_of(
-        found, [&](const DetectedPose& pose) { return PoseDistance(candidate.pose, pose) < kFoundAgain; });
+        found, [&](const DetectedPose& pose) { return DistanceBetween(candidate.pose, pose) < kFoundAgain; });
     Track& track = tracks_[candidate.track];
     track.doubts = is_found ? 0 : track.doubts + 1;
     return track.doubts >= kMostDoubts && candidate.pose.score < kSureScore;
   });
 }
 
+DetectedPose PersonTracker::Refine(const cv::Mat& image, const std::vector<DetectedPose>& found,
+                                   std::size_t person) const {
+  const std::optional<DetectedPose> pose = LookAt(image, found[person]);
+  return pose && IsOf(*pose, found, person) ? *pose : found[person];
+}
+
+void PersonTracker::CorrectCandidates(const cv::Mat& image, const std::vector<DetectedPose>& found) {
+  std::vector<Appearance> appearances;
+  for (const DetectedPose& person : found) appearances.push_back(network_.AppearanceOf(image, person));
+  struct Pair {
+    float cost;
+    std::size_t track, person;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t t = 0; t < tracks_.size(); ++t) {
+    if (IsLost(tracks_[t])) continue;
+    const DetectedPose predicted = Predict(tracks_[t]);
+    for (std::size_t f = 0; f < found.size(); ++f) {
+      const float distance = DistanceBetween(predicted, found[f]);
+      if (distance > kLargestJump) continue;
+      const float colour = AppearanceDistance(tracks_[t].appearance, appearances[f], kUnknownColour);
+      pairs.push_back({distance + kColourWeight * colour, t, f});
+    }
+  }
+  std::ranges::stable_sort(pairs, {}, &Pair::cost);
+  std::vector<bool> has_person(tracks_.size(), false);
+  std::vector<bool> is_given(found.size(), false);
+  for (const Pair& pair : pairs) {
+    if (has_person[pair.track] || is_given[pair.person]) continue;
+    has_person[pair.track] = is_given[pair.person] = true;
+    const auto candidate = std::ranges::find_if(candidates_, [&](const Candidate& c) { return c.track == pair.track; });
+    if (candidate != candidates_.end() && IsOf(candidate->pose, found, pair.person)) continue;
+    const DetectedPose pose = Refine(image, found, pair.person);
+    const Candidate corrected{pair.track, pose, network_.AppearanceOf(image, pose), pair.cost};
+    if (candidate == candidates_.end()) {
+      candidates_.push_back(corrected);
+    } else {
+      *candidate = corrected;
+    }
+  }
+}
+
 void PersonTracker::Search(const cv::Mat& image) {
   last_search_ = frame_;
-  const std::vector<DetectedPose> found = network_.FindPeople(image);
+  std::vector<DetectedPose> found = network_.FindPeople(image);
   DoubtWhoWasNotFound(found);
-  for (const DetectedPose& person : found) {
+  std::erase_if(found, [](const DetectedPose& person) {
+    return person.score < kLeastScoreOfNew || SeenCount(person) < kFewestJoints;
+  });
+  CorrectCandidates(image, found);
+  DropDuplicates();
+  for (std::size_t f = 0; f < found.size(); ++f) {
     if (std::ssize(candidates_) >= options_.most_people) break;
-    if (person.score < kLeastScoreOfNew || SeenCount(person) < kFewestJoints || IsTaken(person)) continue;
-    const std::optional<DetectedPose> pose = LookAt(image, person);
-    if (!pose || IsTaken(*pose) || PoseDistance(person, *pose) > kLargestJump) continue;
-    const Appearance appearance = network_.AppearanceOf(image, *pose);
-    std::optional<std::size_t> track = FindLost(*pose, appearance);
+    if (IsTaken(found[f])) continue;
+    const DetectedPose pose = Refine(image, found, f);
+    if (IsTaken(pose)) continue;
+    const Appearance appearance = network_.AppearanceOf(image, pose);
+    std::optional<std::size_t> track = FindLost(pose, appearance);
     if (!track) {
       Track fresh;
       fresh.id = tracks_.empty() ? 0 : tracks_.back().id + 1;
@@ -170,7 +249,7 @@ void PersonTracker::Search(const cv::Mat& image) {
       track = tracks_.size();
       tracks_.push_back(fresh);
     }
-    candidates_.push_back({*track, *pose, appearance, 0.0F});
+    candidates_.push_back({*track, pose, appearance, 0.0F});
   }
 }
 
@@ -201,7 +280,6 @@ std::vector<TrackedPose> PersonTracker::Next(const cv::Mat& image) {
   DropDuplicates();
   if (IsSearchDue()) {
     Search(image);
-    DropDuplicates();
   }
   std::ranges::sort(candidates_, {}, [&](const Candidate& c) { return tracks_[c.track].id; });
   std::vector<TrackedPose> people;

@@ -62,9 +62,16 @@ class PersonTracker {
   void DropDuplicates();
   [[nodiscard]] bool IsSearchDue() const;
   void Search(const cv::Mat& image);
+  /// Gives tracks the people found in the whole image who fit them best, where their crops showed somebody else.
+  void CorrectCandidates(const cv::Mat& image, const std::vector<DetectedPose>& found);
+  /// The pose of a person found in the whole image: that of its crop, unless the crop shows one of the others.
+  [[nodiscard]] DetectedPose Refine(const cv::Mat& image, const std::vector<DetectedPose>& found,
+                                    std::size_t person) const;
   void DoubtWhoWasNotFound(const std::vector<DetectedPose>& found);
   /// The lost track that a person continues; null where it is somebody new.
   [[nodiscard]] std::optional<std::size_t> FindLost(const DetectedPose& pose, const Appearance& appearance) const;
+  /// Of two candidates, in sizes of the larger; infinity where there are fewer.
+  [[nodiscard]] float NearestDistance() const;
   [[nodiscard]] bool IsTaken(const DetectedPose& pose) const;
   void Update(const Candidate& candidate);
 

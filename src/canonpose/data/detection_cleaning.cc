@@ -107,6 +107,7 @@ std::optional<std::size_t> UsualCount(const DetectedCamera& camera, const std::v
 }  // namespace
 
 void DropUselessTrackIds(DetectedCamera& camera) {
+  if (camera.has_tracks) return;
   std::set<std::int64_t> ids;
   bool is_twice_in_frame = false;
   bool is_order_from_0 = true;

@@ -33,6 +33,7 @@ struct DetectedCamera {
   std::vector<DetectedFrame> frames;  ///< ascending, unique numbers
   /// Where frames are named by the time, their numbers are multiples of this; 0 where they count frames.
   double seconds_per_number = 0.0;
+  bool has_tracks = false;             ///< whoever wrote the files followed people: equal track ids are one person
   std::set<std::string> unused_parts;  ///< what the files also contain but is not read: "face", "hands", "feet"
 };
 

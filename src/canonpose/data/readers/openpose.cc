@@ -190,7 +190,9 @@ DetectedCamera ReadOpenPose(const CameraInput& input) {
   CameraBuilder builder(input);
   ReadFrameFiles(input, builder, ReadFrame, "an object with people");
   // Images without people have files too, so a gap in the numbers is a lost file and is not filled.
-  return builder.Finish(false);
+  DetectedCamera camera = builder.Finish(false);
+  camera.has_tracks = ReadVideoFacts(input.path).has_value();
+  return camera;
 }
 
 }  // namespace canonpose

@@ -62,7 +62,10 @@ TEST(PersonTracker, FollowsOnePersonInACropAndSearchesNowAndThen) {
 TEST(PersonTracker, KeepsIdsWherePeopleCross) {
   for (const float speed : {2.0F, 4.0F, 8.0F}) {
     const int frames = static_cast<int>(800.0F / speed);
-    WalkerNetwork network({Walk(200.0F, speed, kRed), Walk(1000.0F, -speed, kBlue)});
+    Walker in_front = Walk(1000.0F, -speed, kBlue);
+    in_front.y = 312.0F;
+    in_front.trunk = 66.0F;
+    WalkerNetwork network({Walk(200.0F, speed, kRed), in_front});
     const Identities seen = Track(network, 2, frames);
     EXPECT_THAT(seen.ids.at(0), SizeIs(1)) << speed;
     EXPECT_THAT(seen.ids.at(1), SizeIs(1)) << speed;

@@ -24,6 +24,8 @@ constexpr float kSamePerson = 0.3F;
 constexpr float kFoundAgain = 0.4F;
 /// A pose is one person's rather than another's if its distance is so many times smaller.
 constexpr float kClearlyNearer = 0.6F;
+/// Of people near each other, a pose that is farther than that from what the search found is a mixture of two.
+constexpr float kUnmixed = 0.25F;
 /// People nearer than that may be taken for each other; then the whole image is searched so often, or, where they are
 /// nearer still, in every frame.
 constexpr float kNear = 1.0F;
@@ -62,7 +64,9 @@ float DistanceBetween(const DetectedPose& a, const DetectedPose& b) {
 bool IsOf(const DetectedPose& pose, const std::vector<DetectedPose>& found, std::size_t person) {
   const float distance = DistanceBetween(pose, found[person]);
   return distance < kFoundAgain && std::ranges::none_of(found, [&](const DetectedPose& other) {
-           return &other != &found[person] && distance > kClearlyNearer * DistanceBetween(pose, other);
+           if (&other == &found[person]) return false;
+           const bool is_near = PoseDistance(found[person], other) < kNear;
+           return distance > kClearlyNearer * DistanceBetween(pose, other) || (is_near && distance > kUnmixed);
          });
 }
 

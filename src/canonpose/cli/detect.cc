@@ -1,10 +1,13 @@
 // canonpose detect VIDEO... -o FOLDER
+#include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/cli/commands.h"
 #include "canonpose/cli/interrupt.h"
@@ -22,7 +25,19 @@ std::string Describe(const DetectedVideo& video) {
   return text + (video.people == 1 ? "; one person" : fmt::format("; {} people", video.people));
 }
 
-void RunDetect(const DetectOptions& options) {
+struct DetectArguments {
+  DetectOptions options;
+  std::optional<double> fps;
+};
+
+void RunDetect(const DetectArguments& arguments) {
+  DetectOptions options = arguments.options;
+  if (arguments.fps) {
+    if (!std::isfinite(*arguments.fps) || *arguments.fps <= 0.0) {
+      ThrowInvalidArgument("--fps: expected frames per second, above 0, found {}", *arguments.fps);
+    }
+    options.image_fps = *arguments.fps;
+  }
   const StopOnSignal stop_on_signal;
   const DetectReport report = DetectVideos(options);
   if (report.stopped) {
@@ -36,7 +51,8 @@ void RunDetect(const DetectOptions& options) {
 }  // namespace
 
 void AddDetectCommand(CLI::App& app) {
-  auto options = std::make_shared<DetectOptions>();
+  auto arguments = std::make_shared<DetectArguments>();
+  DetectOptions* const options = &arguments->options;
   CLI::App* command = app.add_subcommand(
       "detect", "Find people's 2D keypoints in videos, as OpenPose's files with the layout coco-17, for import");
   command
@@ -55,7 +71,7 @@ void AddDetectCommand(CLI::App& app) {
       ->add_option("--model", options->model,
                    "Folder with MoveNet's files (default: where scripts/get-detector puts them)")
       ->type_name("FOLDER");
-  command->add_option("--fps", options->image_fps, "Frames per second of folders of images; videos know theirs")
+  command->add_option("--fps", arguments->fps, "Frames per second of folders of images; videos know theirs")
       ->type_name("FPS");
   command
       ->add_option("--search-interval", options->tracker.search_interval,
@@ -64,7 +80,7 @@ void AddDetectCommand(CLI::App& app) {
   command->add_option("--most-people", options->tracker.most_people, "Follow at most so many people at a time")
       ->capture_default_str();
   command->add_option("--threads", options->threads, "Videos at a time, each on one core (default: all cores)");
-  command->callback([options] { RunDetect(*options); });
+  command->callback([arguments] { RunDetect(*arguments); });
 }
 
 }  // namespace canonpose

@@ -45,6 +45,9 @@ TEST(ProgramDetect, RefusesWrongUsage) {
   const Outcome outcome = Execute({"detect", "a.mp4", "-o", "out", "--search-interval", "0"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.message(), HasSubstr("--search-interval"));
+  const Outcome rate = Execute({"detect", "images", "-o", "out", "--fps", "0"});
+  EXPECT_EQ(rate.exit_code, 2);
+  EXPECT_THAT(rate.message(), HasSubstr("--fps: expected frames per second, above 0"));
 }
 
 TEST(ProgramDetect, FindsPeopleThatImportReads) {

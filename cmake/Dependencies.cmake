@@ -49,6 +49,18 @@ if(CANONPOSE_WITH_TORCH)
   target_include_directories(canonpose_torch SYSTEM INTERFACE ${TORCH_INCLUDE_DIRS})
 endif()
 
+# Four of OpenCV's modules. Its own CMake file and pkg-config's belong to a package with all of them and 60 others, which nothing here needs.
+find_path(CANONPOSE_OPENCV_INCLUDE opencv2/videoio.hpp PATH_SUFFIXES opencv4)
+if(NOT CANONPOSE_OPENCV_INCLUDE)
+  message(FATAL_ERROR "OpenCV's videoio is needed and was not found: apt-get install libopencv-videoio-dev")
+endif()
+add_library(canonpose_opencv INTERFACE)
+target_include_directories(canonpose_opencv SYSTEM INTERFACE ${CANONPOSE_OPENCV_INCLUDE})
+foreach(module core imgproc imgcodecs videoio)
+  find_library(CANONPOSE_OPENCV_${module} opencv_${module} REQUIRED)
+  target_link_libraries(canonpose_opencv INTERFACE ${CANONPOSE_OPENCV_${module}})
+endforeach()
+
 add_library(canonpose_hdf5 INTERFACE)
 target_include_directories(canonpose_hdf5 SYSTEM INTERFACE ${HDF5_INCLUDE_DIRS})
 target_link_libraries(canonpose_hdf5 INTERFACE ${HDF5_LIBRARIES})

@@ -6,6 +6,7 @@ CANONPOSE_PACKAGES="
   libtorch-dev libopenblas-pthread-dev
   libeigen3-dev libceres-dev libhdf5-dev libzip-dev zlib1g-dev libmatio-dev libtinygltf-dev
   nlohmann-json3-dev libcli11-dev libfmt-dev libspdlog-dev libtomlplusplus-dev libpugixml-dev libyaml-cpp-dev
+  libopencv-videoio-dev libopencv-imgcodecs-dev libopencv-imgproc-dev
   python3-dev pybind11-dev python3-numpy python3-pytest python3-h5py
   esbuild libjs-three
   libgtest-dev libgmock-dev"

@@ -8,6 +8,7 @@
 
 namespace canonpose {
 
+void AddDetectCommand(CLI::App& app);
 void AddImportCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);
 void AddTrainCommand(CLI::App& app);

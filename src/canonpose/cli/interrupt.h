@@ -1,4 +1,5 @@
-// Ctrl-C and SIGTERM ask `train`, `train-morph` and `simulate` to stop at the next safe point; these then exit with 128
+// Ctrl-C and SIGTERM ask `detect`, `train`, `train-morph` and `simulate` to stop at the next safe point; these then
+// exit with 128
 // + the signal's number. Other commands leave signals to the system, which ends them at once.
 #pragma once
 

@@ -24,6 +24,8 @@ void AddAbsentCommand(CLI::App& app, const std::string& name, const std::string&
 
 }  // namespace
 
+void AddDetectCommand(CLI::App& app) { AddAbsentCommand(app, "detect", "Find people's 2D keypoints in videos"); }
+
 void AddTrainCommand(CLI::App& app) { AddAbsentCommand(app, "train", "Train a lifter on datasets"); }
 
 void AddTrainMorphCommand(CLI::App& app) {

@@ -33,7 +33,7 @@ TEST(ProgramWithoutTorch, SolvesFromAFactorisationAndEvaluates) {
 }
 
 TEST(ProgramWithoutTorch, SaysThatNetworksAreMissing) {
-  for (const char* command : {"train", "train-morph", "lift"}) {
+  for (const char* command : {"detect", "train", "train-morph", "lift"}) {
     const Outcome outcome = Execute({command, "data.h5", "-o", "run"});
     EXPECT_EQ(outcome.exit_code, 2) << outcome.errors;
     EXPECT_THAT(outcome.errors, AllOf(HasSubstr(command), HasSubstr("CANONPOSE_WITH_TORCH=ON")));

@@ -125,7 +125,7 @@ void DropUselessTrackIds(DetectedCamera& camera) {
     }
   }
   const bool is_same_for_all = ids.size() == 1;
-  if (camera.are_individuals && !is_twice_in_frame) return;
+  if (camera.has_tracks && !is_twice_in_frame) return;
   if (ids.empty() || (!is_twice_in_frame && !is_same_for_all && !is_order_from_0 && !is_order_from_1)) return;
   for (DetectedFrame& frame : camera.frames) {
     for (DetectedPerson& person : frame.people) person.track_id.reset();

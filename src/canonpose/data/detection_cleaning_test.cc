@@ -39,16 +39,16 @@ DetectedCamera Camera(int frames) {
 
 // Two mice that a format keeps apart are always there, in one order: that looks like a mere count.
 TEST(DropUselessTrackIds, IndividualsOfTheFormatKeepTheirs) {
-  for (const bool are_individuals : {false, true}) {
+  for (const bool has_tracks : {false, true}) {
     Rng rng(7);
     DetectedCamera camera = Camera(10);
-    camera.are_individuals = are_individuals;
+    camera.has_tracks = has_tracks;
     for (DetectedFrame& frame : camera.frames) {
       frame.people = {Somebody(200.0, 0.8, 1.0, rng), Somebody(700.0, 0.8, 1.0, rng)};
       for (std::size_t p = 0; p < 2; ++p) frame.people[p].track_id = static_cast<std::int64_t>(p);
     }
     DropUselessTrackIds(camera);
-    EXPECT_EQ(camera.frames[3].people[1].track_id.has_value(), are_individuals);
+    EXPECT_EQ(camera.frames[3].people[1].track_id.has_value(), has_tracks);
   }
 }
 

@@ -22,6 +22,8 @@
 #include "canonpose/data/readers/calibration.h"
 #include "canonpose/data/readers/formats.h"
 #include "canonpose/data/readers/skeleton_json.h"
+#include "canonpose/data/readers/video_facts.h"
+#include "canonpose/data/video_times.h"
 #include "canonpose/skeleton/mapping.h"
 
 namespace canonpose {
@@ -121,10 +123,12 @@ void CheckNamesExist(const std::map<std::string, Value>& by_camera, const std::v
   }
 }
 
-ImageSize ImageSizeOf(const CameraInput& camera, const ImportOptions& options, const Calibration& calibration) {
+ImageSize ImageSizeOf(const CameraInput& camera, const ImportOptions& options, const Calibration& calibration,
+                      const std::optional<VideoFacts>& facts) {
   const auto own = options.camera_image_size.find(camera.name);
   if (own != options.camera_image_size.end()) return own->second;
   if (options.image_size[0] > 0) return options.image_size;
+  if (facts) return facts->image_size;
   if (options.calibration.empty()) {
     ThrowBadInput({camera.path.string(), "", fmt::format("the image size of camera {}", camera.name),
                    "none in the file", fmt::format("give `image_size` WxH, or {}=WxH for one camera", camera.name)});
@@ -134,6 +138,16 @@ ImageSize ImageSizeOf(const CameraInput& camera, const ImportOptions& options, c
     ThrowBadInput({options.calibration.string(), "image_size", "width and height", "nothing", "give `image_size` WxH"});
   }
   return *calibrated.image_size;
+}
+
+/// A calibration of other images is of no use: it may be that of the sensor, before the video was cut or scaled.
+void WarnOfOtherImageSize(const CameraInput& camera, const CalibratedCamera& calibrated, const ImageSize& size,
+                          const std::string& file) {
+  if (!calibrated.image_size || *calibrated.image_size == size) return;
+  LogWarning(
+      "{}: camera {} is calibrated for images of {}x{} pixels, but its video has {}x{}: figures that compare with "
+      "the calibration are only right if its pixels are the video's, counted from the same corner",
+      file, camera.name, (*calibrated.image_size)[0], (*calibrated.image_size)[1], size[0], size[1]);
 }
 
 /// One camera, or one per frame.
@@ -289,7 +303,7 @@ CameraView MapClip(const KeypointClip& clip, const LayoutMapping& mapping, doubl
 void WarnOfOtherRate(double given, double found) {
   constexpr double kSame = 0.02;
   if (given <= 0.0 || found <= 0.0 || std::abs(given - found) <= kSame * found) return;
-  LogWarning("`fps` is {:.5g}, but the times in the frames' names say {:.5g} frames per second", given, found);
+  LogWarning("`fps` is {:.5g}, but the times of the frames say {:.5g} frames per second", given, found);
 }
 
 LayoutMapping MappingTo(const Skeleton& layout, const std::string& skeleton) {
@@ -373,16 +387,23 @@ Dataset ImportDetections(const ImportOptions& options) {
   Calibration calibration;
   if (!options.calibration.empty()) calibration = ReadCalibration(options.calibration);
   const int keypoint_count = KeypointCountOf(options.layout);
+  std::vector<std::optional<VideoFacts>> facts;
   for (CameraInput& camera : cameras) {
-    camera.image_size = ImageSizeOf(camera, options, calibration);
+    facts.push_back(ReadVideoFacts(camera.path));
+    camera.image_size = ImageSizeOf(camera, options, calibration, facts.back());
     camera.keypoint_count = keypoint_count;
-    if (!options.calibration.empty()) FindCalibration(calibration, camera.name, options.calibration);
+    if (options.calibration.empty()) continue;
+    const CalibratedCamera& calibrated = FindCalibration(calibration, camera.name, options.calibration);
+    if (facts.back()) WarnOfOtherImageSize(camera, calibrated, facts.back()->image_size, options.calibration.string());
   }
 
   std::vector<KeypointClip> clips = ReadClips(options, format, cameras);
   CheckKeypointCounts(clips);
   const Skeleton layout = LayoutOf(clips, options.layout);
-  const double fps = AlignFrames(clips, options.alignment);
+  const double video_fps =
+      options.alignment == FrameAlignment::kAutomatic ? NumberByVideoTimes(clips, facts) : CommonRate(facts);
+  const double times_fps = AlignFrames(clips, options.alignment);
+  const double fps = times_fps > 0.0 ? times_fps : video_fps;
   RefuseIdenticalClips(clips);
   const LayoutMapping mapping = MappingTo(layout, options.skeleton);
   ReportLeftOutJoints(mapping);
@@ -443,10 +464,14 @@ SingleCamera ReadSingleCamera(const fs::path& path, const SingleCameraOptions& o
   const LayoutMapping mapping = MapLayout(layout, is_native ? layout : options.skeleton);
   const double scale = options.confidence_scale > 0.0 ? options.confidence_scale : ConfidenceScale(clips);
   SingleCamera single;
-  single.fps = CountFrames(clips.front());
+  const std::vector<std::optional<VideoFacts>> facts{ReadVideoFacts(cameras.front().path)};
+  const double video_fps = NumberByVideoTimes(clips, facts);
+  const double times_fps = CountFrames(clips.front());
+  single.fps = times_fps > 0.0 ? times_fps : video_fps;
   single.view = MapClip(clips.front(), mapping, scale);
   single.view.image_size = options.image_size;
-  if (options.image_size[0] > 0) CheckImageSize(clips.front(), options.image_size);
+  if (options.image_size[0] == 0 && facts.front()) single.view.image_size = facts.front()->image_size;
+  if (single.view.image_size[0] > 0) CheckImageSize(clips.front(), single.view.image_size);
   single.frame_numbers = clips.front().frame_numbers;
   single.skeleton = mapping.target;
   single.source = {std::string(format.name), layout.name, scale, mapping.DescribeAll()};

@@ -27,7 +27,7 @@ struct ImportOptions {
   std::string skeleton;
   int person = 1;                            ///< who to follow; 1 is the most prominent person
   std::map<std::string, int> camera_person;  ///< the same for single cameras
-  std::array<int, 2> image_size{0, 0};       ///< width, height in pixels of all cameras; 0: from `calibration`
+  std::array<int, 2> image_size{0, 0};  ///< width, height in pixels of all cameras; 0: from video.json or `calibration`
   std::map<std::string, std::array<int, 2>> camera_image_size;  ///< the same for single cameras
   std::filesystem::path calibration;                            ///< the cameras by name (calibration.h); empty: none
   FrameAlignment alignment = FrameAlignment::kAutomatic;
@@ -54,7 +54,8 @@ struct SingleCameraOptions {
   Skeleton skeleton;              ///< the skeleton to map to; without joints: keep the detector's
   std::string camera;             ///< the name of the camera to read; empty: the only one
   int person = 1;
-  std::array<int, 2> image_size{0, 0};  ///< of the view; 0: unknown. A warning says where keypoints contradict it
+  std::array<int, 2> image_size{
+      0, 0};  ///< of the view; 0: from video.json, or unknown. A warning says where keypoints contradict it
 };
 
 struct SingleCamera {

@@ -1,6 +1,7 @@
 // From files to datasets; and every bad input of which an import must say what is wrong.
 #include "canonpose/data/import.h"
 
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -322,11 +323,58 @@ TEST(ImportDetections, NamesThatAreTimesGiveTheFrameRate) {
   copy.options.fps = 25.0;
   EXPECT_EQ(ImportDetections(copy.options).sequences[0].fps, 25.0);
   EXPECT_THAT(ImportLog(copy.options), HasSubstr("warning"));
-  EXPECT_THAT(ImportLog(copy.options), HasSubstr("`fps` is 25, but the times in the frames' names say 50"));
+  EXPECT_THAT(ImportLog(copy.options), HasSubstr("`fps` is 25, but the times of the frames say 50"));
   SingleCameraOptions single;
   const SingleCamera camera = ReadSingleCamera(copy.path() / "cam1", single);
   EXPECT_NEAR(camera.fps, 50.0, 1e-3);
   EXPECT_EQ(camera.frame_numbers.back(), kFrames - 1);
+}
+
+/// Writes what `detect` says of a camera's video, with a time for each of the sample's frames.
+void WriteVideoFacts(const Copy& copy, int camera, double fps, const std::array<int, 2>& size = {640, 480}) {
+  nlohmann::json facts{{"format", "canonpose-video"}, {"version", 1}, {"image_size", size}, {"fps", fps}};
+  for (int t = 0; t < kFrames; ++t) facts["time_stamps"].push_back(t / fps);
+  WriteFileAtomically(copy.path() / fmt::format("cam{}/video.json", camera), facts.dump());
+}
+
+TEST(ImportDetections, SizesAndRatesComeFromVideoJson) {
+  Copy copy;
+  copy.options.image_size = {0, 0};
+  const int cameras = static_cast<int>(ImportDetections(OpenPose()).sequences[0].cameras.size());
+  for (int c = 1; c <= cameras; ++c) WriteVideoFacts(copy, c, 29.97);
+  EXPECT_THAT(ImportLog(copy.options), Not(HasSubstr("no keypoints"))) << "video.json is no lost frame";
+  const Sequence sequence = ImportDetections(copy.options).sequences[0];
+  EXPECT_EQ(sequence.fps, 29.97);
+  EXPECT_EQ(sequence.frame_count, kFrames);
+  for (const CameraView& view : sequence.cameras) EXPECT_EQ(view.image_size, (std::array<int, 2>{640, 480}));
+}
+
+TEST(ImportDetections, VideosOfDifferentRatesAreMatchedByTime) {
+  Copy copy;
+  copy.options.image_size = {0, 0};
+  const int cameras = static_cast<int>(ImportDetections(OpenPose()).sequences[0].cameras.size());
+  for (int c = 1; c <= cameras; ++c) WriteVideoFacts(copy, c, c == 2 ? 25.0 : 50.0);
+  const Sequence sequence = ImportDetections(copy.options).sequences[0];
+  EXPECT_NEAR(sequence.fps, 50.0, 1e-6);
+  EXPECT_EQ(sequence.frame_count, 2 * kFrames - 1) << "as long as the slowest";
+}
+
+TEST(ImportDetections, ACalibrationOfAnotherImageSizeIsReported) {
+  Copy copy;
+  copy.options.image_size = {0, 0};
+  const int cameras = static_cast<int>(ImportDetections(OpenPose()).sequences[0].cameras.size());
+  nlohmann::json calibration{{"image_size", {648, 480}}, {"cameras", nlohmann::json::object()}};
+  for (int c = 1; c <= cameras; ++c) {
+    WriteVideoFacts(copy, c, 50.0);
+    calibration["cameras"][fmt::format("cam{}", c)] = {{"K", {{600, 0, 320}, {0, 600, 240}, {0, 0, 1}}},
+                                                       {"R", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+                                                       {"t", {33.0 * c, 0, 1000}},
+                                                       {"distortion", {0, 0, 0, 0}}};
+  }
+  WriteFileAtomically(copy.path() / "calibration.json", calibration.dump());
+  copy.options.calibration = copy.path() / "calibration.json";
+  EXPECT_THAT(ImportLog(copy.options),
+              AllOf(HasSubstr("camera cam1 is calibrated for images of 648x480 pixels"), HasSubstr("640x480")));
 }
 
 TEST(ImportDetections, ADetectionFoundTwiceChangesNothing) {

@@ -227,7 +227,7 @@ DetectedCamera ReadDeepLabCut(const CameraInput& input) {
   if (individuals.empty()) ThrowBadInput({file, "", "columns of body parts", "none", kDeepLabCutAdvice});
   KeepOneKind(individuals, input.name);
   CameraBuilder builder(input);
-  if (individuals.size() > 1) builder.NoteIndividuals();
+  if (individuals.size() > 1) builder.NoteTracks();
   builder.SetLayout({"deeplabcut", individuals.front().joints, {}}, file, "bodyparts");
   for (std::size_t row = 0; row < table.frames.size(); ++row) AddRow(table, row, individuals, builder, file);
   // Frames without anybody have rows, too.

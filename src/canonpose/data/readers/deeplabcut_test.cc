@@ -46,7 +46,7 @@ TEST(DeepLabCut, OneAnimalWithGapsAndNamesWithSpaces) {
   EXPECT_THAT(first.keypoints, ElementsAre(1, 2, 3, 4));
   EXPECT_THAT(first.confidence, ElementsAre(0.5F, 0.25F));
   EXPECT_FALSE(first.track_id.has_value()) << "one animal needs no track";
-  EXPECT_FALSE(camera.are_individuals);
+  EXPECT_FALSE(camera.has_tracks);
   const DetectedPerson& last = camera.frames[2].people.at(0);
   EXPECT_TRUE(std::isnan(PointOf(last, 1)[0]));
   EXPECT_TRUE(std::isnan(PointOf(last, 1)[1]));
@@ -69,7 +69,7 @@ TEST(DeepLabCut, SeveralAnimalsAreTracksAndOtherPartsAreReported) {
   EXPECT_EQ(camera.frames[0].people[1].track_id, 1);
   ASSERT_EQ(camera.frames[1].people.size(), 1U);
   EXPECT_EQ(camera.frames[1].people[0].track_id, 1);
-  EXPECT_TRUE(camera.are_individuals);
+  EXPECT_TRUE(camera.has_tracks);
   EXPECT_THAT(messages.text(), HasSubstr("individuals with other body parts are left out: single (corner)"));
 }
 

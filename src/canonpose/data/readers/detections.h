@@ -43,8 +43,9 @@ struct DetectedCamera {
   double seconds_per_number = 0.0;
   /// Empty where the file does not say: then it is recognised by the number of keypoints and by anatomy.
   std::optional<DetectedLayout> layout;
-  /// Whether the format keeps individuals apart, so that track ids name them even where they look like a mere count.
-  bool are_individuals = false;
+  /// Whether whoever wrote the files followed people, so that equal track ids are one person even where they look like
+  /// a mere count.
+  bool has_tracks = false;
   std::set<std::string> unused_parts;  ///< what the files also contain but is not read: "face", "hands", "feet"
 };
 
@@ -91,7 +92,7 @@ class CameraBuilder {
   /// more than any body has.
   void SetLayout(DetectedLayout layout, const std::string& file, const std::string& place);
   /// Notes that the format keeps individuals apart.
-  void NoteIndividuals() { camera_.are_individuals = true; }
+  void NoteTracks() { camera_.has_tracks = true; }
   void NoteUnusedPart(const std::string& part) { camera_.unused_parts.insert(part); }
   /// Notes a file in the camera's folder that has no keypoints; Finish() reports how many there are.
   void LeaveOut(const std::filesystem::path& file);

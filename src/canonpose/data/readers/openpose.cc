@@ -14,6 +14,7 @@
 #include "canonpose/data/readers/flat_list.h"
 #include "canonpose/data/readers/formats.h"
 #include "canonpose/data/readers/frame_numbers.h"
+#include "canonpose/data/readers/video_facts.h"
 
 namespace canonpose {
 namespace {
@@ -96,10 +97,10 @@ void NoteUnusedParts(const JsonValue& person, CameraBuilder& builder) {
   }
 }
 
-/// Returns false where the file is not a frame.
+/// Returns false where the file is neither a frame nor what `detect` says of the video.
 bool ReadFrame(const JsonValue& root, CameraBuilder& builder) {
-  if (!root.Contains("people")) return false;
   const std::string& file = root.file();
+  if (!root.Contains("people")) return fs::path(file).filename() == kVideoFactsFile;  // which import reads by itself
   DetectedFrame& frame = builder.Frame(fs::path(file).filename().string(), file, "");
   const JsonValue people = root["people"];
   if (people.IsNull()) return true;
@@ -189,7 +190,9 @@ DetectedCamera ReadOpenPose(const CameraInput& input) {
   CameraBuilder builder(input);
   ReadFrameFiles(input, builder, ReadFrame, "an object with people");
   // Images without people have files too, so a gap in the numbers is a lost file and is not filled.
-  return builder.Finish(false);
+  DetectedCamera camera = builder.Finish(false);
+  camera.has_tracks = ReadVideoFacts(input.path).has_value();
+  return camera;
 }
 
 }  // namespace canonpose

@@ -183,7 +183,7 @@ DetectedCamera ReadSleap(const CameraInput& input) {
   ReadPoints(root, file);
   if (file.track_count == 0)
     root.Fail("tracks", "at least one track", h5::FormatShape(root.Shape("tracks")), kSleapAdvice);
-  if (file.track_count > 1) builder.NoteIndividuals();
+  if (file.track_count > 1) builder.NoteTracks();
   ReadScores(root, file);
   for (std::size_t t = 0; t < file.frame_count; ++t) {
     const std::string place = fmt::format("tracks, frame {}", t);

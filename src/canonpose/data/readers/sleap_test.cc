@@ -88,7 +88,7 @@ TEST(Sleap, TheSampleHasTracksAndBones) {
   EXPECT_EQ(cameras[0].layout->bones.size(), 16U);
   EXPECT_EQ(cameras[0].layout->joints[5], "left shoulder");
   EXPECT_EQ(cameras[0].frames[0].people[1].track_id, 1);
-  EXPECT_TRUE(cameras[0].are_individuals);
+  EXPECT_TRUE(cameras[0].has_tracks);
 }
 
 TEST(Sleap, WrongFilesAreRefused) {

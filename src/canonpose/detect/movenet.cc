@@ -1,0 +1,122 @@
+#include "canonpose/detect/movenet.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "canonpose/base/atomic_file.h"
+#include "canonpose/base/error.h"
+#include "canonpose/base/hash.h"
+#include "canonpose/detect/appearance.h"
+
+namespace canonpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kPrefix = "StatefulPartitionedCall/";
+/// Below this the network sees a person in nearly every chair.
+constexpr float kLeastCentreScore = 0.1F;
+
+std::vector<std::string> Heads(const GraphModel& model, bool has_boxes) {
+  std::vector<std::string> heads{"kpt_heatmap_0/", "kpt_regress_0/", "center_0/", "kpt_offset_0/"};
+  if (has_boxes) heads.insert(heads.end(), {"box_scale_0/", "box_offset_0/"});
+  for (std::string& head : heads) head = model.NodeLike(kPrefix + head, "/BiasAdd").name;
+  return heads;
+}
+
+float SingleValue(const GraphModel& model, const std::string& name) {
+  const GraphConstant& constant = model.Constant(kPrefix + name);
+  if (constant.values.empty()) {
+    ThrowBadInput({model.file, kPrefix + name, "a number", "nothing", "get the detector again"});
+  }
+  return constant.values.front();
+}
+
+GraphModel ReadPart(const fs::path& folder, const std::string& name, Fingerprint& fingerprint) {
+  for (const char* extension : {".json", ".bin"}) {
+    const fs::path file = folder / (name + extension);
+    std::error_code error;
+    if (!fs::exists(file, error)) {
+      ThrowBadInput({file.string(), "", "the detector's network", "no such file",
+                     "run scripts/get-detector, which downloads it once (145 MB, of which 22 MB are kept)"});
+    }
+    const std::string bytes = ReadFile(file);
+    fingerprint.Add(bytes.data(), bytes.size());
+  }
+  return ReadGraphModel(folder / (name + ".json"));
+}
+
+}  // namespace
+
+fs::path DefaultModelFolder() {
+  if (const char* const models = std::getenv("CANONPOSE_MODELS"); models != nullptr && *models != '\0') return models;
+  fs::path data;
+  if (const char* const xdg = std::getenv("XDG_DATA_HOME"); xdg != nullptr && *xdg == '/') {
+    data = xdg;
+  } else if (const char* const home = std::getenv("HOME"); home != nullptr) {
+    data = fs::path(home) / ".local" / "share";
+  }
+  return data / "canonpose" / "movenet";
+}
+
+MoveNetFiles MoveNetFiles::Read(const fs::path& folder) {
+  Fingerprint fingerprint;
+  MoveNetFiles files;
+  files.thunder = ReadPart(folder, "movenet-thunder", fingerprint);
+  files.multipose = ReadPart(folder, "movenet-multipose", fingerprint);
+  files.fingerprint = fingerprint.value();
+  return files;
+}
+
+MoveNet::Network::Network(const GraphModel& model, bool has_boxes)
+    : scale(SingleValue(model, "truediv")), convolutions(model, kPrefix + "sub_1", Heads(model, has_boxes)) {}
+
+PoseMaps MoveNet::Network::Evaluate(const std::vector<float>& input, int height, int width) const {
+  std::vector<FeatureMap> maps = convolutions.Evaluate(input, height, width);
+  PoseMaps result{std::move(maps[0]), std::move(maps[1]), std::move(maps[2]), std::move(maps[3]), {}, {}};
+  if (maps.size() > 4) {
+    result.box_scale = std::move(maps[4]);
+    result.box_offset = std::move(maps[5]);
+  }
+  return result;
+}
+
+MoveNet::MoveNet(const MoveNetFiles& files)
+    : thunder_(files.thunder, false),
+      multipose_(files.multipose, true),
+      centre_weight_(files.thunder.Constant("ConstantFolding/" + kPrefix + "truediv_2_recip").values) {}
+
+std::vector<DetectedPose> MoveNet::FindPeople(const cv::Mat& image) {
+  const WholeImage whole = TakeWholeImage(image, kImageSize, multipose_.scale, input_);
+  std::vector<DetectedPose> poses =
+      DecodePoses(multipose_.Evaluate(input_, whole.height, whole.width), kLeastCentreScore);
+  const Eigen::Vector2f extent =
+      whole.image_pixels_per_pixel * Eigen::Vector2f(static_cast<float>(whole.width), static_cast<float>(whole.height));
+  for (DetectedPose& pose : poses) {
+    for (PosePoint& point : pose.joints) point.position = point.position.cwiseProduct(extent);
+  }
+  return poses;
+}
+
+DetectedPose MoveNet::PoseInCrop(const cv::Mat& image, const Crop& crop) {
+  TakeCrop(image, crop, kCropSize, thunder_.scale, input_);
+  DetectedPose pose = DecodeSinglePose(thunder_.Evaluate(input_, kCropSize, kCropSize), centre_weight_);
+  for (PosePoint& point : pose.joints) point.position = crop.corner + crop.size * point.position;
+  return pose;
+}
+
+Appearance MoveNet::AppearanceOf(const cv::Mat& image, const DetectedPose& pose) {
+  return MeasureAppearance(image, pose);
+}
+
+DetectedPose MoveNet::PoseOf(const std::vector<float>& rgb) {
+  input_ = rgb;
+  for (float& value : input_) value = value * thunder_.scale - 1.0F;
+  return DecodeSinglePose(thunder_.Evaluate(input_, kCropSize, kCropSize), centre_weight_);
+}
+
+}  // namespace canonpose

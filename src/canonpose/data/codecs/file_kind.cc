@@ -80,7 +80,8 @@ std::string KindOfFile(const std::filesystem::path& path) {
 
 std::string AdviceForKind(std::string_view kind) {
   if (kind == kVideo || kind == kImage) {
-    return "run a 2D keypoint detector on it first, and give the JSON files that the detector writes (openpose, "
+    return "run a 2D keypoint detector on it first, such as canonpose detect, and give the JSON files that it writes "
+           "(openpose, "
            "alphapose, mmpose or coco)";
   }
   if (kind == kZip || kind == kCompressed) return "unpack it first";

@@ -80,8 +80,8 @@ std::string KindOfFile(const std::filesystem::path& path) {
 
 std::string AdviceForKind(std::string_view kind) {
   if (kind == kVideo || kind == kImage) {
-    return "run a 2D keypoint detector on it first, and give the files that the detector writes (openpose, alphapose, "
-           "mmpose, coco, ...)";
+    return "run a 2D keypoint detector on it first, such as canonpose detect, and give the files that it writes "
+           "(openpose, alphapose, mmpose, coco, ...)";
   }
   if (kind == kZip || kind == kCompressed) return "unpack it first";
   if (kind == kHdf5) return "HDF5 files of detectors are read as deeplabcut or sleap";

@@ -190,7 +190,7 @@ class Examination {
   /// The median log focal length of the views that agree.
   [[nodiscard]] double FocalOf(const Consensus& consensus, int clip) const;
   void Correct(const Consensus& consensus, int view);
-  /// Drops views that do not fit although they were corrected; whether there were any.
+  /// Drops, of the views that do not fit although they were corrected, the worst; whether there was any.
   bool DropMisread(const std::vector<ViewSigns>& signs);
   void Drop(int view, const Rejection& rejection);
 
@@ -307,8 +307,7 @@ std::optional<Consensus> Examination::ConsensusWithSlowPair(const std::vector<Vi
 }
 
 std::optional<Consensus> Examination::ConsensusOfPairs(const std::vector<ViewSigns>& signs) const {
-  const auto known = static_cast<std::size_t>(std::ranges::count_if(signs, &ViewSigns::known));
-  const double with_all = PerDegreeOfFreedom(CappedError(capture_, solution_), known);
+  const double with_all = PerDegreeOfFreedom(CappedError(capture_, solution_), KnownViews(signs).size());
   std::vector<Consensus> candidates;
   int most = 0;
   std::size_t tried = 0;
@@ -396,14 +395,15 @@ void Examination::Drop(int view, const Rejection& rejection) {
 }
 
 bool Examination::DropMisread(const std::vector<ViewSigns>& signs) {
-  bool is_any = false;
+  if (KnownViews(signs).size() < 3) return false;
+  int worst = -1;
   for (const int v : corrected_) {
     const ViewSigns& view = signs[static_cast<std::size_t>(v)];
     if (!view.known || view.outliers < kMisreadOutliers) continue;
-    Drop(v, kNotTheSame);
-    is_any = true;
+    if (worst < 0 || view.outliers > signs[static_cast<std::size_t>(worst)].outliers) worst = v;
   }
-  return is_any;
+  if (worst >= 0) Drop(worst, kNotTheSame);
+  return worst >= 0;
 }
 
 bool Examination::Run() {
@@ -420,6 +420,7 @@ bool Examination::Run() {
   const CaptureObservations before = capture_;
   for (const int v : consensus->views) {
     if (!consensus->is_as_recorded) continue;
+    corrected_.erase(v);
     CopyView(original_, v, capture_);
     for (std::vector<ViewCorrection>& corrections : check_.corrections) corrections[static_cast<std::size_t>(v)] = {};
   }

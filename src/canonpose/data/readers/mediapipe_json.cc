@@ -162,10 +162,13 @@ bool IsTypicalFrame(const JsonValue& root) {
   return inside.has_value() || root.Has("pose_world_landmarks");
 }
 
-bool ReadJson(const JsonValue& root, CameraBuilder& builder) {
+namespace {
+
+/// Adds the frames of a value, or of the list of frames that it has, which may have another; `depth` ends that.
+bool ReadFrames(const JsonValue& root, CameraBuilder& builder, int depth) {
   if (root.json().is_object() && FindAny(root, kListKeys)) {
     const JsonValue list = *FindAny(root, kListKeys);
-    if (list.json().is_array() || list.json().is_object()) return ReadJson(list, builder);
+    if (list.json().is_array() || list.json().is_object()) return depth > 0 && ReadFrames(list, builder, depth - 1);
   }
   const std::string file_name = fs::path(root.file()).filename().string();
   if (IsFrame(root)) {
@@ -189,5 +192,9 @@ bool ReadJson(const JsonValue& root, CameraBuilder& builder) {
   }
   return true;
 }
+
+}  // namespace
+
+bool ReadJson(const JsonValue& root, CameraBuilder& builder) { return ReadFrames(root, builder, kDepth); }
 
 }  // namespace canonpose::mediapipe

@@ -1,11 +1,14 @@
 #include "canonpose/data/codecs/npy.h"
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
+#include <fstream>
 #include <optional>
 #include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,12 +17,6 @@
 #include "canonpose/data/codecs/utf8.h"
 
 namespace canonpose::npy {
-namespace {
-
-static_assert(std::endian::native == std::endian::little, "arrays are copied as they are, little-endian");
-
-constexpr std::string_view kMagic = "\x93NUMPY";
-constexpr std::size_t kAlignment = 64;
 
 struct Header {
   std::string descr;
@@ -27,6 +24,13 @@ struct Header {
   std::vector<std::size_t> shape;
   std::size_t data_offset = 0;
 };
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "arrays are copied as they are, little-endian");
+
+constexpr std::string_view kMagic = "\x93NUMPY";
+constexpr std::size_t kAlignment = 64;
 
 /// The file and the array, for messages.
 struct Place {
@@ -137,10 +141,9 @@ std::vector<std::string> DecodeTexts(const char* data, std::size_t count, std::s
 }
 
 template <typename T>
-std::vector<T> CopyValues(const std::string& bytes, const Header& header, const Place& place) {
-  const std::size_t available = bytes.size() - header.data_offset;
-  std::vector<T> values(CheckedCount(header, sizeof(T), available, place));
-  if (!values.empty()) std::memcpy(values.data(), &bytes[header.data_offset], available);
+std::vector<T> CopyValues(std::string_view data, const Header& header, const Place& place) {
+  std::vector<T> values(CheckedCount(header, sizeof(T), data.size(), place));
+  if (!values.empty()) std::memcpy(values.data(), data.data(), data.size());
   return header.fortran_order ? ToRowMajor(values, header.shape) : values;
 }
 
@@ -156,17 +159,54 @@ std::vector<std::string> EmptyTexts(const Header& header, std::size_t available,
   return std::vector<std::string>(count);
 }
 
-std::vector<std::string> CopyTexts(const std::string& bytes, const Header& header, const Place& place) {
+std::vector<std::string> CopyTexts(std::string_view data, const Header& header, const Place& place) {
   const bool wide = header.descr[1] == 'U';
   std::size_t width = 0;
   const char* end = header.descr.data() + header.descr.size();
   constexpr std::size_t kMaxWidth = 1 << 20;
   if (std::from_chars(header.descr.data() + 2, end, width).ptr != end || width > kMaxWidth) place.FailHeader();
-  const std::size_t available = bytes.size() - header.data_offset;
-  if (width == 0) return EmptyTexts(header, available, place);
-  const std::size_t count = CheckedCount(header, (wide ? 4 : 1) * width, available, place);
-  std::vector<std::string> texts = DecodeTexts(bytes.data() + header.data_offset, count, width, wide);
+  if (width == 0) return EmptyTexts(header, data.size(), place);
+  const std::size_t count = CheckedCount(header, (wide ? 4 : 1) * width, data.size(), place);
+  std::vector<std::string> texts = DecodeTexts(data.data(), count, width, wide);
   return header.fortran_order ? ToRowMajor(texts, header.shape) : texts;
+}
+
+bool IsText(const std::string& descr) { return descr.starts_with("<U") || descr.starts_with("|S"); }
+
+[[noreturn]] void FailType(const std::string& descr, const Place& place) {
+  if (descr.find('O') != std::string::npos) {
+    place.Fail("an array of numbers or text", "pickled Python objects",
+               "save the numbers as an array of their own: reading pickles can execute code");
+  }
+  place.Fail("float32, float64, int32, int64 or text, little-endian", '\'' + descr + '\'',
+             "convert it with astype('float32') before saving");
+}
+
+/// The array of which `data` are the values.
+NpyArray Decode(const Header& header, std::string_view data, const Place& place) {
+  const std::string& descr = header.descr;
+  NpyArray array;
+  array.shape = header.shape;
+  if (descr == "<f4") {
+    array.values = CopyValues<float>(data, header, place);
+  } else if (descr == "<f8") {
+    array.values = CopyValues<double>(data, header, place);
+  } else if (descr == "<i4") {
+    array.values = CopyValues<std::int32_t>(data, header, place);
+  } else if (descr == "<i8") {
+    array.values = CopyValues<std::int64_t>(data, header, place);
+  } else if (IsText(descr)) {
+    array.values = CopyTexts(data, header, place);
+  } else {
+    FailType(descr, place);
+  }
+  return array;
+}
+
+/// Bytes of one number; 0 where the values are no numbers.
+std::size_t NumberBytes(const std::string& descr) {
+  if (descr == "<f4" || descr == "<i4") return 4;
+  return descr == "<f8" || descr == "<i8" ? 8 : 0;
 }
 
 }  // namespace
@@ -200,27 +240,71 @@ std::string EncodeTexts(const std::vector<std::string>& texts, std::size_t* widt
 NpyArray Parse(const std::string& bytes, const std::string& file, const std::string& name) {
   const Place place{file, name};
   const Header header = ParseHeader(bytes, place);
-  const std::string& descr = header.descr;
-  NpyArray array;
-  array.shape = header.shape;
-  if (descr == "<f4") {
-    array.values = CopyValues<float>(bytes, header, place);
-  } else if (descr == "<f8") {
-    array.values = CopyValues<double>(bytes, header, place);
-  } else if (descr == "<i4") {
-    array.values = CopyValues<std::int32_t>(bytes, header, place);
-  } else if (descr == "<i8") {
-    array.values = CopyValues<std::int64_t>(bytes, header, place);
-  } else if (descr.starts_with("<U") || descr.starts_with("|S")) {
-    array.values = CopyTexts(bytes, header, place);
-  } else if (descr.find('O') != std::string::npos) {
-    place.Fail("an array of numbers or text", "pickled Python objects",
-               "save the numbers as an array of their own: reading pickles can execute code");
-  } else {
-    place.Fail("float32, float64, int32, int64 or text, little-endian", '\'' + descr + '\'',
-               "convert it with astype('float32') before saving");
+  return Decode(header, std::string_view(bytes).substr(header.data_offset), place);
+}
+
+struct FileReader::State {
+  std::string file;
+  std::string name;
+  std::ifstream stream;
+  std::size_t data_bytes = 0;
+  Header header;
+
+  [[nodiscard]] Place place() const { return {file, name}; }
+
+  std::string Read(std::size_t offset, std::size_t count) {
+    std::string bytes(count, '\0');
+    stream.clear();
+    stream.seekg(static_cast<std::streamoff>(offset));
+    stream.read(bytes.data(), static_cast<std::streamsize>(count));
+    if (!stream) place().Fail(fmt::format("{} bytes from byte {}", count, offset), "a file that can't be read there");
+    return bytes;
   }
-  return array;
+};
+
+FileReader::FileReader(const std::filesystem::path& path) : state_(std::make_unique<State>()) {
+  // Headers of version 1.0 end within this; those of later versions, which may be longer, are as short in practice.
+  constexpr std::size_t kMostHeaderBytes = 10 + 0xFFFF;
+  state_->file = path.string();
+  state_->name = path.filename().string();
+  state_->stream.open(path, std::ios::binary);
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (!state_->stream || error) {
+    ThrowBadInput({state_->file, "", "a file that can be read", error ? error.message() : "one that can't be opened",
+                   "check the path"});
+  }
+  const Place place = state_->place();
+  state_->header = ParseHeader(state_->Read(0, std::min<std::size_t>(size, kMostHeaderBytes)), place);
+  state_->data_bytes = size - state_->header.data_offset;
+  const std::size_t item_bytes = NumberBytes(state_->header.descr);
+  if (item_bytes == 0 && !IsText(state_->header.descr)) FailType(state_->header.descr, place);
+  if (item_bytes > 0) CheckedCount(state_->header, item_bytes, state_->data_bytes, place);
+}
+
+FileReader::~FileReader() = default;
+
+const std::vector<std::size_t>& FileReader::shape() const { return state_->header.shape; }
+
+bool FileReader::has_numbers() const { return NumberBytes(state_->header.descr) > 0; }
+
+NpyArray FileReader::ReadPart(std::size_t index) const {
+  const Header& whole = state_->header;
+  const std::size_t item_bytes = NumberBytes(whole.descr);
+  CANONPOSE_CHECK(item_bytes > 0 && !whole.shape.empty() && index < whole.shape[0], "part {} of {}", index,
+                  whole.descr);
+  const Place place = state_->place();
+  Header part = whole;
+  part.shape.erase(part.shape.begin());
+  const std::size_t bytes = state_->data_bytes / whole.shape[0];
+  if (!whole.fortran_order) return Decode(part, state_->Read(whole.data_offset + index * bytes, bytes), place);
+  // The values of a part are apart from each other, every `whole.shape[0]`-th of all.
+  const std::string all = state_->Read(whole.data_offset, state_->data_bytes);
+  std::string values;
+  values.reserve(bytes);
+  for (std::size_t at = index * item_bytes; at < all.size(); at += whole.shape[0] * item_bytes)
+    values.append(all, at, item_bytes);
+  return Decode(part, values, place);
 }
 
 std::string ParsePickle(const std::string& bytes, const std::string& file, const std::string& name) {

@@ -5,11 +5,13 @@
 #include <charconv>
 #include <cmath>
 #include <system_error>
+#include <type_traits>
+#include <utility>
 #include <variant>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include "canonpose/base/atomic_file.h"
 #include "canonpose/base/error.h"
 #include "canonpose/base/names.h"
 #include "canonpose/data/codecs/file_kind.h"
@@ -32,44 +34,59 @@ constexpr std::array<std::size_t, 3> kMediapipeSets{75, 543, 553};
 constexpr std::size_t kMostCameras = 64;
 constexpr double kLargestValue = 1e9;
 
-struct FreemocapPoints {
-  std::array<std::size_t, 4> shape{};  ///< cameras, frames, points, 2 or 3
-  std::vector<double> values;
+/// The file of an array (cameras, frames, points, 2 or 3). Throws where it is another.
+class PointsFile {
+ public:
+  explicit PointsFile(const fs::path& path) : array_(Checked(path)) {
+    const std::vector<std::size_t>& shape = array_.shape();
+    const bool fits = shape.size() == 4 && shape[2] > 0 && (shape[3] == 2 || shape[3] == 3);
+    if (fits && array_.has_numbers() && shape[0] <= kMostCameras) return;
+    std::string advice = kFreemocapAdvice;
+    if (shape.size() == 3) advice += "; an array of three dimensions is 3D, or one camera's";
+    ThrowBadInput({path.string(), "", "numbers (cameras, frames, points, 2 or 3)",
+                   fmt::format("({})", fmt::join(shape, ", ")), advice});
+  }
+
+  [[nodiscard]] std::size_t cameras() const { return array_.shape()[0]; }
+  [[nodiscard]] std::size_t frames() const { return array_.shape()[1]; }
+  [[nodiscard]] std::size_t points() const { return array_.shape()[2]; }
+  [[nodiscard]] std::size_t width() const { return array_.shape()[3]; }
+
+  /// (frames, points, width) of one camera; NaN where a value can be no coordinate.
+  [[nodiscard]] std::vector<double> Read(std::size_t camera) const {
+    NpyArray part = array_.ReadPart(camera);
+    std::vector<double> result;
+    std::visit(
+        [&](auto& values) {
+          using Values = std::decay_t<decltype(values)>;
+          if constexpr (std::is_same_v<Values, std::vector<double>>) {
+            result = std::move(values);
+          } else if constexpr (!std::is_same_v<Values, std::vector<std::string>>) {
+            result.assign(values.begin(), values.end());
+          }
+        },
+        part.values);
+    for (double& value : result) {
+      if (!(std::abs(value) <= kLargestValue)) value = NAN;
+    }
+    return result;
+  }
+
+ private:
+  static const fs::path& Checked(const fs::path& path) {
+    const std::string kind = KindOfFile(path);
+    if (kind == "a NumPy file") return path;
+    ThrowBadInput({path.string(), "", "a NumPy file (.npy)", kind.empty() ? "another file" : kind, kFreemocapAdvice});
+  }
+
+  npy::FileReader array_;
 };
 
-FreemocapPoints LoadPoints(const fs::path& path) {
-  const std::string file = path.string();
-  const std::string kind = KindOfFile(path);
-  if (kind != "a NumPy file")
-    ThrowBadInput({file, "", "a NumPy file (.npy)", kind.empty() ? "another file" : kind, kFreemocapAdvice});
-  NpyArray array = npy::Parse(ReadFile(path), file, path.filename().string());
-  const bool fits = array.shape.size() == 4 && array.shape[2] > 0 && (array.shape[3] == 2 || array.shape[3] == 3);
-  if (!fits || array.is_text() || array.shape[0] > kMostCameras) {
-    std::string shape;
-    for (const std::size_t size : array.shape) shape += fmt::format("{}{}", shape.empty() ? "" : ", ", size);
-    std::string advice = kFreemocapAdvice;
-    if (array.shape.size() == 3) advice += "; an array of three dimensions is 3D, or one camera's";
-    ThrowBadInput({file, "", "numbers (cameras, frames, points, 2 or 3)", "(" + shape + ")", advice});
-  }
-  FreemocapPoints points;
-  std::copy(array.shape.begin(), array.shape.end(), points.shape.begin());
-  std::visit(
-      [&](const auto& values) {
-        if constexpr (!std::is_same_v<std::decay_t<decltype(values)>, std::vector<std::string>>)
-          points.values.assign(values.begin(), values.end());
-      },
-      array.values);
-  for (double& value : points.values) {
-    if (!(std::abs(value) <= kLargestValue)) value = NAN;
-  }
-  return points;
-}
-
-/// Whether the third values are confidences: MediaPipe's depth is negative in front of the hips.
-bool HasConfidences(const FreemocapPoints& points) {
-  if (points.shape[3] != 3) return false;
-  for (std::size_t i = 2; i < points.values.size(); i += 3) {
-    if (points.values[i] < 0.0 || points.values[i] > 1.0) return false;
+/// Whether the third values of a camera are confidences: MediaPipe's depth is negative in front of the hips.
+bool HasConfidences(const std::vector<double>& values, std::size_t width) {
+  if (width != 3) return false;
+  for (std::size_t i = 2; i < values.size(); i += 3) {
+    if (values[i] < 0.0 || values[i] > 1.0) return false;
   }
   return true;
 }
@@ -138,7 +155,7 @@ std::size_t PartOf(const CameraInput& input, std::size_t cameras) {
 bool IsFreemocapFile(const fs::path& file) {
   if (KindOfFile(file) != "a NumPy file") return false;
   try {
-    LoadPoints(file);
+    const PointsFile points(file);
     return true;
   } catch (const Error&) {
     return false;
@@ -147,7 +164,7 @@ bool IsFreemocapFile(const fs::path& file) {
 
 std::vector<CameraInput> FindFreemocapCameras(const fs::path& path) {
   const fs::path array = ArrayAt(path);
-  const std::size_t count = LoadPoints(array).shape[0];
+  const std::size_t count = PointsFile(array).cameras();
   if (count == 0) ThrowBadInput({array.string(), "", "points of cameras", "no camera", kFreemocapAdvice});
   const std::vector<std::string> names = CameraNames(array, count);
   std::vector<CameraInput> cameras;
@@ -157,10 +174,12 @@ std::vector<CameraInput> FindFreemocapCameras(const fs::path& path) {
 
 DetectedCamera ReadFreemocap(const CameraInput& input) {
   const std::string file = input.path.string();
-  const FreemocapPoints points = LoadPoints(input.path);
-  const auto [camera_count, frames, count, width] = points.shape;
-  const std::size_t part = PartOf(input, camera_count);
-  const bool has_confidences = HasConfidences(points);
+  const PointsFile points(input.path);
+  const std::size_t count = points.points();
+  const std::size_t width = points.width();
+  const std::size_t part = PartOf(input, points.cameras());
+  const std::vector<double> values = points.Read(part);
+  const bool has_confidences = HasConfidences(values, width);
   const bool is_mediapipe = count == kMediapipePoints ||
                             std::find(kMediapipeSets.begin(), kMediapipeSets.end(), count) != kMediapipeSets.end();
   const std::size_t read = is_mediapipe ? kMediapipePoints : count;
@@ -169,10 +188,10 @@ DetectedCamera ReadFreemocap(const CameraInput& input) {
   if (is_mediapipe && count > kMediapipePoints) builder.NoteUnusedPart("hands");
   if (is_mediapipe && count > kMediapipeSets.front()) builder.NoteUnusedPart("face");
   if (!is_mediapipe) builder.NoteKeypointCount(count);
-  for (std::size_t t = 0; t < frames; ++t) {
+  for (std::size_t t = 0; t < points.frames(); ++t) {
     const std::string place = fmt::format("camera {}, frame {}", part, t);
     DetectedFrame& frame = builder.Frame(static_cast<std::int64_t>(t), place, file, place);
-    const double* const row = points.values.data() + (part * frames + t) * count * width;
+    const double* const row = values.data() + t * count * width;
     std::vector<double> triples;
     for (std::size_t k = 0; k < read; ++k) {
       const double* const point = row + k * width;

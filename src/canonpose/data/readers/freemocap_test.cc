@@ -1,6 +1,7 @@
 #include "canonpose/data/readers/freemocap.h"
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include <gmock/gmock.h>
@@ -64,6 +65,38 @@ TEST(Freemocap, EveryCameraOfTheArray) {
   EXPECT_EQ(cameras[2].frames[1].people[0].confidence[4], 1.0F);
 }
 
+TEST(Freemocap, ColumnMajorArraysAreReadAsWell) {
+  constexpr std::size_t kCameras = 2;
+  constexpr std::size_t kPoints = 33;
+  std::string bytes = npy::MakeHeader("<f8", {kCameras, 1, kPoints, 2});
+  const std::size_t order = bytes.find("False");
+  bytes.replace(order, 5, "True ");
+  for (int axis = 0; axis < 2; ++axis) {
+    for (std::size_t k = 0; k < kPoints; ++k) {
+      for (std::size_t c = 0; c < kCameras; ++c) {
+        const double value = axis == 0 ? static_cast<double>(100 * c + k) : 7.0;
+        bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+      }
+    }
+  }
+  const std::vector<DetectedCamera> cameras = Read(bytes);
+  EXPECT_THAT(PointOf(cameras.at(0).frames.at(0).people.at(0), 4), ElementsAre(4, 7));
+  EXPECT_THAT(PointOf(cameras.at(1).frames.at(0).people.at(0), 32), ElementsAre(132, 7));
+}
+
+TEST(Freemocap, SingleNumbersAndIntegersAreReadAsWell) {
+  const auto read = [](const char* type, auto first) {
+    std::string bytes = npy::MakeHeader(type, {2, 1, 33, 2});
+    for (int i = 0; i < 2 * 33 * 2; ++i) {
+      const auto value = static_cast<decltype(first)>(i);
+      bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+    return PointOf(Read(bytes).at(1).frames.at(0).people.at(0), 1);
+  };
+  EXPECT_THAT(read("<f4", 0.0F), ElementsAre(68, 69));
+  EXPECT_THAT(read("<i8", std::int64_t{0}), ElementsAre(68, 69));
+}
+
 TEST(Freemocap, HandsAndFaceAreReportedAndLeftOut) {
   EXPECT_THAT(Read(Session(1, 33, 3)).at(0).unused_parts, ::testing::IsEmpty());
   const DetectedCamera hands = Read(Session(1, 75, 3)).at(0);
@@ -120,6 +153,9 @@ TEST(Freemocap, WrongArraysAreRefused) {
   EXPECT_THAT(ReadError(Array({1, 2, 33, 2}, std::vector<double>(132, NAN))), HasSubstr("nobody in any of 2 frames"));
   EXPECT_THAT(ReadError(Array({1, 1000000000, 0, 2}, {})), HasSubstr("the array is cut short or damaged"));
   EXPECT_THAT(ReadError(Session(1, 33, 2).substr(0, 500)), HasSubstr("the array is cut short or damaged"));
+  EXPECT_THAT(ReadError(npy::MakeHeader("<f2", {1, 1, 33, 2}) + std::string(132, '\0')), HasSubstr("found '<f2'"));
+  EXPECT_THAT(ReadError(npy::MakeHeader("<U1", {1, 1, 33, 2}) + std::string(264, '\0')),
+              HasSubstr("expected numbers (cameras, frames, points, 2 or 3)"));
   EXPECT_THAT(ReadError("hello"), HasSubstr("expected a NumPy file (.npy), found another file"));
   const TemporaryFolder folder;
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { FindFreemocapCameras(folder.path()); }),

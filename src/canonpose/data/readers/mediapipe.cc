@@ -4,11 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
+#include "canonpose/base/median.h"
 #include "canonpose/base/names.h"
 #include "canonpose/data/codecs/file_kind.h"
 #include "canonpose/data/codecs/json.h"
@@ -25,20 +27,13 @@ namespace fs = std::filesystem;
 
 constexpr float kNoPoint = std::numeric_limits<float>::quiet_NaN();
 /// World landmarks have their origin between the hips; in an image those are never this near to its corner for long.
-constexpr float kHipsAtOrigin = 0.02F;
+constexpr double kHipsAtOrigin = 0.02;
 
 bool IsText(const fs::path& file) { return LowerCase(file.extension().string()) == ".csv"; }
 
 bool HasText(const fs::path& folder) {
   const std::vector<fs::path> files = FilesIn(folder, {".csv"});
   return std::any_of(files.begin(), files.end(), [](const fs::path& file) { return !IsDeepLabCutFile(file); });
-}
-
-float MedianOf(std::vector<float> values) {
-  if (values.empty()) return 0.0F;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 template <typename Action>
@@ -52,14 +47,14 @@ void ForEachPerson(DetectedCamera& camera, Action&& action) {
 void RefuseWorldLandmarks(DetectedCamera& camera) {
   const auto left = static_cast<std::size_t>(MediapipeLayout().Find("LHip").value());
   const auto right = static_cast<std::size_t>(MediapipeLayout().Find("RHip").value());
-  std::vector<float> distances;
+  std::vector<double> distances;
   ForEachPerson(camera, [&](const DetectedPerson& person) {
     const std::vector<float>& points = person.keypoints;
     const float distance =
         std::hypot(points[2 * left] + points[2 * right], points[2 * left + 1] + points[2 * right + 1]);
     if (!std::isnan(distance)) distances.push_back(0.5F * distance);
   });
-  if (distances.empty() || MedianOf(distances) > kHipsAtOrigin) return;
+  if (distances.empty() || Median(std::move(distances)) > kHipsAtOrigin) return;
   ThrowBadInput({camera.path, "", "landmarks in the image, as fractions of it",
                  "points around the middle of the hips, so world landmarks in metres",
                  "dump pose_landmarks, not pose_world_landmarks"});
@@ -132,13 +127,13 @@ DetectedCamera ReadMediapipe(const CameraInput& input) {
   // Many scripts write nothing for frames without a person.
   DetectedCamera camera = builder.Finish(true);
   RefuseWorldLandmarks(camera);
-  std::vector<float> sizes;
+  std::vector<double> sizes;
   ForEachPerson(camera, [&](const DetectedPerson& person) {
     for (const float coordinate : person.keypoints) {
       if (!std::isnan(coordinate)) sizes.push_back(std::abs(coordinate));
     }
   });
-  if (MedianOf(std::move(sizes)) > kLargestImageFraction) {
+  if (Median(std::move(sizes)) > kLargestImageFraction) {
     LogInfo("{}: the landmarks are pixels, not fractions of the image", camera.name);
     return camera;
   }

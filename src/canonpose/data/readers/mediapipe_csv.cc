@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -88,36 +89,96 @@ std::optional<ColumnName> ParseColumn(const std::string& name) {
   return ColumnName{name.substr(end), *axis};
 }
 
-/// The number in a name that is no landmark's: "landmark_12" -> 12.
-std::optional<int> NumberIn(std::string_view text) {
+/// A name with a number in it: "left_hand_12" is 12 of the set "lefthand".
+struct NumberedName {
+  std::string set;            ///< the letters and digits around the number, in lower case
+  std::optional<int> number;  ///< nothing where it is beyond the landmarks of a body
+};
+
+/// Nothing where a name has no number.
+std::optional<NumberedName> ParseNumber(std::string_view text) {
   const std::size_t last = text.find_last_of("0123456789");
   if (last == std::string_view::npos) return std::nullopt;
   std::size_t first = last;
   while (first > 0 && std::isdigit(static_cast<unsigned char>(text[first - 1])) != 0) --first;
+  NumberedName name;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto letter = static_cast<unsigned char>(text[i]);
+    const bool is_around = i < first || i > last;
+    if (is_around && std::isalnum(letter) != 0) name.set += static_cast<char>(std::tolower(letter));
+  }
   int number = 0;
   const auto result = std::from_chars(text.data() + first, text.data() + last + 1, number);
-  if (result.ec != std::errc() || number > static_cast<int>(kMediapipePoints)) return std::nullopt;
-  return number;
+  if (result.ec == std::errc() && number <= static_cast<int>(kMediapipePoints)) name.number = number;
+  return name;
 }
 
-/// (columns) the landmark of each, from 0; nothing where it is no landmark's. Numbers may count from 1.
-std::vector<std::optional<int>> LandmarksOf(const std::vector<std::string>& texts) {
-  std::vector<std::optional<int>> landmarks;
-  std::vector<std::optional<int>> numbers;
+bool Has(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
+
+/// The set that is the body's, of one name of each set: the only one, the one of a pose, or that of "landmarks".
+/// Nothing where that can't be told.
+std::optional<std::string> BodySet(const std::map<std::string, std::string>& names) {
+  std::vector<std::string> sets;
+  for (const auto& [set, name] : names) {
+    if (!Has(set, "hand") && !Has(set, "face")) sets.push_back(set);
+  }
+  if (sets.size() == 1 && names.size() == 1) return sets.front();
+  // World landmarks are metres.
+  std::erase_if(sets, [](const std::string& set) { return Has(set, "world"); });
+  for (const char* const part : {"pose", "landmark"}) {
+    const auto has_part = [&](const std::string& set) { return Has(set, part); };
+    const auto found = std::find_if(sets.begin(), sets.end(), has_part);
+    if (found == sets.end()) continue;
+    if (std::count_if(sets.begin(), sets.end(), has_part) > 1) return std::nullopt;
+    return *found;
+  }
+  return std::nullopt;
+}
+
+/// What a text says of landmarks.
+struct NamedLandmark {
+  std::optional<int> index;      ///< from 0; nothing where it is none of the body's
+  bool is_of_other_set = false;  ///< of a hand's or the face's
+};
+
+/// (texts) the landmark of each, by name or else by number; numbers may count from 1. Throws where it can't be told
+/// which numbers are the body's.
+std::vector<NamedLandmark> LandmarksOf(const std::vector<std::string>& texts, const std::string& file,
+                                       const std::string& place) {
+  std::vector<NamedLandmark> landmarks(texts.size());
+  std::vector<std::optional<NumberedName>> numbers(texts.size());
+  std::map<std::string, std::string> sets;
+  bool has_names = false;
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    landmarks[i].index = FindLandmark(texts[i]);
+    has_names = has_names || landmarks[i].index;
+    numbers[i] = ParseNumber(texts[i]);
+    if (numbers[i]) sets.try_emplace(numbers[i]->set, texts[i]);
+  }
+  // Where the body's landmarks have names, numbers are those of something else.
+  if (has_names || sets.empty()) return landmarks;
+  const std::optional<std::string> body = BodySet(sets);
+  if (!body) {
+    std::vector<std::string> examples;
+    for (const auto& [set, name] : sets) examples.push_back(fmt::format("\"{}\"", name.substr(0, 30)));
+    if (examples.size() > 4) examples.resize(4);
+    ThrowBadInput({file, place, "the numbered landmarks of one body", fmt::format("{}", fmt::join(examples, ", ")),
+                   "name those of the body pose_0 to pose_32"});
+  }
   int lowest = static_cast<int>(kMediapipePoints);
   int highest = 0;
-  for (const std::string& text : texts) {
-    landmarks.push_back(FindLandmark(text));
-    numbers.push_back(landmarks.back() ? std::nullopt : NumberIn(text));
-    if (!numbers.back()) continue;
-    lowest = std::min(lowest, *numbers.back());
-    highest = std::max(highest, *numbers.back());
+  for (const std::optional<NumberedName>& name : numbers) {
+    if (!name || name->set != *body || !name->number) continue;
+    lowest = std::min(lowest, *name->number);
+    highest = std::max(highest, *name->number);
   }
   const int first = lowest == 1 && highest == static_cast<int>(kMediapipePoints) ? 1 : 0;
   for (std::size_t i = 0; i < texts.size(); ++i) {
-    const std::optional<int> number = numbers[i];
-    if (number && *number >= first && *number - first < static_cast<int>(kMediapipePoints))
-      landmarks[i] = *number - first;
+    if (!numbers[i]) continue;
+    landmarks[i].is_of_other_set = numbers[i]->set != *body;
+    const int index = numbers[i]->number.value_or(-1) - first;
+    if (!landmarks[i].is_of_other_set && index >= 0 && index < static_cast<int>(kMediapipePoints))
+      landmarks[i].index = index;
   }
   return landmarks;
 }
@@ -132,12 +193,12 @@ std::optional<Columns> WideColumns(const CsvRow& header, const std::string& file
     texts.push_back(name->landmark);
     places.emplace_back(column, name->axis);
   }
-  const std::vector<std::optional<int>> landmarks = LandmarksOf(texts);
+  const std::vector<NamedLandmark> landmarks = LandmarksOf(texts, file, header.place());
   Columns columns;
   bool has_any = false;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    if (!landmarks[i] || places[i].second == Axis::kOther) continue;
-    LandmarkColumns& landmark = columns[static_cast<std::size_t>(*landmarks[i])];
+    if (!landmarks[i].index || places[i].second == Axis::kOther) continue;
+    LandmarkColumns& landmark = columns[static_cast<std::size_t>(*landmarks[i].index)];
     std::optional<std::size_t>& place = places[i].second == Axis::kX   ? landmark.x
                                         : places[i].second == Axis::kY ? landmark.y
                                                                        : landmark.confidence;
@@ -263,19 +324,41 @@ std::string CellOr(const CsvRow& row, std::optional<std::size_t> column) {
   return column && *column < row.cells.size() ? row.cells[*column] : "";
 }
 
+/// Numbers the frames of rows that don't: one begins where a person's first landmark returns.
+class FrameCounter {
+ public:
+  /// The frame of the next row.
+  std::int64_t Next(int landmark, const std::string& person) {
+    const int first = first_landmarks_.try_emplace(person, landmark).first->second;
+    if (landmark == first && !people_.insert(person).second) {
+      ++number_;
+      people_ = {person};
+    }
+    return number_;
+  }
+  [[nodiscard]] std::int64_t number() const { return number_; }
+
+ private:
+  std::int64_t number_ = 0;
+  std::map<std::string, int> first_landmarks_;
+  std::set<std::string> people_;  ///< in this frame
+};
+
 void ReadLong(const std::vector<CsvRow>& rows, const LongColumns& columns, CameraBuilder& builder,
               const std::string& file) {
   std::vector<std::string> texts;
   for (std::size_t i = 1; i < rows.size(); ++i) texts.push_back(CellOr(rows[i], columns.landmark));
-  const std::vector<std::optional<int>> landmarks = LandmarksOf(texts);
+  const std::vector<NamedLandmark> landmarks =
+      LandmarksOf(texts, file, fmt::format("column {}", *columns.landmark + 1));
   std::map<DetectedFrame*, std::map<std::string, PersonRows>> people;
-  std::int64_t number = 0;
+  FrameCounter counter;
   for (std::size_t i = 1; i < rows.size(); ++i) {
     const CsvRow& row = rows[i];
-    const std::optional<int> landmark = landmarks[i - 1];
-    // Without numbers, a frame begins with the first landmark.
-    if (!columns.frame && i > 1 && landmark == landmarks.front()) ++number;
+    const std::optional<int> landmark = landmarks[i - 1].index;
+    const std::string person = CellOr(row, columns.person);
+    const std::int64_t number = landmark ? counter.Next(*landmark, person) : counter.number();
     DetectedFrame& frame = FrameOf(builder, row, columns.frame, number, file, true);
+    if (landmarks[i - 1].is_of_other_set) continue;
     const double x = CsvNumber(row, *columns.x, file);
     const double y = CsvNumber(row, *columns.y, file);
     if (!landmark) {
@@ -285,7 +368,7 @@ void ReadLong(const std::vector<CsvRow>& rows, const LongColumns& columns, Camer
                      kTableAdvice});
     }
     const double confidence = columns.confidence ? CsvNumber(row, *columns.confidence, file) : 1.0;
-    people[&frame][CellOr(row, columns.person)].Add(static_cast<std::size_t>(*landmark), x, y, confidence, row, file);
+    people[&frame][person].Add(static_cast<std::size_t>(*landmark), x, y, confidence, row, file);
   }
   for (auto& [frame, by_name] : people) {
     for (auto& [name, person] : by_name) AddPerson(*frame, person.triples, builder, file, person.place);

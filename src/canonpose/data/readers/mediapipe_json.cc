@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "canonpose/data/codecs/json.h"
+#include "canonpose/data/readers/json_keys.h"
 #include "canonpose/data/readers/mediapipe.h"
 #include "canonpose/data/readers/mediapipe_layout.h"
 
@@ -24,15 +25,12 @@ constexpr const char* kAdvice =
 /// Under which a frame keeps its landmarks, the likeliest first.
 constexpr std::array<const char*, 8> kLandmarkKeys{"pose_landmarks", "poseLandmarks", "landmarks", "landmark",
                                                    "keypoints",      "pose",          "poses",     "people"};
-constexpr std::array<const char*, 8> kFrameKeys{"frame",      "frame_id",    "frame_number", "frame_idx",
-                                                "frameIndex", "frame_index", "frameNumber",  "index"};
-constexpr std::array<const char*, 4> kListKeys{"frames", "results", "data", "sequence"};
 
-std::optional<JsonValue> FindAny(const JsonValue& object, const auto& keys) {
-  for (const char* const key : keys) {
-    if (object.Contains(key)) return object[key];
-  }
-  return std::nullopt;
+/// The landmarks of a frame; null where it says that it has none.
+std::optional<JsonValue> FindLandmarks(const JsonValue& frame, const auto& keys) {
+  if (std::optional<JsonValue> landmarks = FindAny(frame, keys)) return landmarks;
+  const auto key = std::find_if(keys.begin(), keys.end(), [&](const char* name) { return frame.Contains(name); });
+  return key == keys.end() ? std::nullopt : std::optional(frame[*key]);
 }
 
 /// Whether a value is one landmark: an object with x and y, or at least two numbers.
@@ -122,7 +120,7 @@ void ReadPeople(const JsonValue& value, DetectedFrame& frame, CameraBuilder& bui
     for (std::size_t i = 0; i < value.ArraySize(); ++i) ReadPeople(value.At(i), frame, builder, depth - 1);
     return;
   }
-  const std::optional<JsonValue> inside = depth > 0 ? FindAny(value, kLandmarkKeys) : std::nullopt;
+  const std::optional<JsonValue> inside = depth > 0 ? FindLandmarks(value, kLandmarkKeys) : std::nullopt;
   if (inside) return ReadPeople(*inside, frame, builder, depth - 1);
   const bool is_world = value.Has("pose_world_landmarks");
   value.Fail("MediaPipe's landmarks of a person",
@@ -134,7 +132,8 @@ constexpr int kDepth = 3;
 
 /// The frame of an entry: by its own number or image, otherwise by its place in the list.
 DetectedFrame& FrameOf(const JsonValue& entry, std::size_t index, CameraBuilder& builder) {
-  const std::optional<JsonValue> number = entry.json().is_object() ? FindAny(entry, kFrameKeys) : std::nullopt;
+  std::optional<JsonValue> number = FindAny(entry, kFrameKeys);
+  if (!number) number = entry.Find("index");
   if (number && number->json().is_number())
     return builder.Frame(number->Integer(), entry.place(), entry.file(), entry.place());
   if (number && number->json().is_string())
@@ -149,7 +148,7 @@ bool IsWhole(const std::string& key) {
 }  // namespace
 
 bool IsFrame(const JsonValue& root) {
-  return IsPerson(root) || (root.json().is_object() && FindAny(root, kLandmarkKeys)) ||
+  return IsPerson(root) || (root.json().is_object() && FindLandmarks(root, kLandmarkKeys)) ||
          root.Has("pose_world_landmarks");
 }
 
@@ -158,15 +157,17 @@ bool IsTypicalFrame(const JsonValue& root) {
     return root.json().is_object() || root.ArraySize() == kMediapipePoints || FlatWidth(root) > 0;
   }
   // "keypoints" and "people" are other detectors', too.
-  const std::optional<JsonValue> inside = FindAny(root, std::array{"pose_landmarks", "poseLandmarks", "landmarks"});
+  const std::optional<JsonValue> inside =
+      FindLandmarks(root, std::array{"pose_landmarks", "poseLandmarks", "landmarks"});
   return inside.has_value() || root.Has("pose_world_landmarks");
 }
 
-bool ReadJson(const JsonValue& root, CameraBuilder& builder) {
-  if (root.json().is_object() && FindAny(root, kListKeys)) {
-    const JsonValue list = *FindAny(root, kListKeys);
-    if (list.json().is_array() || list.json().is_object()) return ReadJson(list, builder);
-  }
+namespace {
+
+/// Adds the frames of a value, or of the list of frames that it has, which may have another; `depth` ends that.
+bool ReadFrames(const JsonValue& root, CameraBuilder& builder, int depth) {
+  if (const std::optional<JsonValue> list = FindAnyList(root, kFrameListKeys))
+    return depth > 0 && ReadFrames(*list, builder, depth - 1);
   const std::string file_name = fs::path(root.file()).filename().string();
   if (IsFrame(root)) {
     ReadPeople(root, builder.Frame(file_name, root.file(), ""), builder, kDepth);
@@ -189,5 +190,9 @@ bool ReadJson(const JsonValue& root, CameraBuilder& builder) {
   }
   return true;
 }
+
+}  // namespace
+
+bool ReadJson(const JsonValue& root, CameraBuilder& builder) { return ReadFrames(root, builder, kDepth); }
 
 }  // namespace canonpose::mediapipe

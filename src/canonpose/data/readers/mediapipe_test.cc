@@ -113,6 +113,64 @@ TEST(Mediapipe, ARowPerLandmark) {
               HasSubstr("line 2, column 2: expected a landmark of MediaPipe, by number or name, found \"pelvis\""));
 }
 
+TEST(Mediapipe, NumberedLandmarksOfHandsAndFaceAreNotTheBodys) {
+  // Those of the face and hands are all at (0.9, 0.9).
+  const auto table = [](const std::string& face, const std::string& hand, const std::string& body) {
+    std::string header = "frame";
+    std::string others;
+    for (const auto& [name, count] : {std::pair(face, 468), std::pair(hand, 21)}) {
+      for (int k = 0; k < count; ++k) {
+        header += fmt::format(",{0}_{1}_x,{0}_{1}_y", name, k);
+        others += ",0.9,0.9";
+      }
+    }
+    header += "," + Join([&](int k) { return fmt::format("{0}_{1}_x,{0}_{1}_y,{0}_{1}_z,{0}_{1}_v", body, k); });
+    return fmt::format("{}\n0{},{}\n1{},{}\n", header, others, Values(), others, Values());
+  };
+  ExpectTwoFrames(ReadText("mediapipe", "a.csv", table("face", "left_hand", "pose")), "pose");
+  ExpectTwoFrames(ReadText("mediapipe", "a.csv", table("face_landmark", "hand_landmark", "pose_landmark")), "pose");
+  ExpectTwoFrames(ReadText("mediapipe", "a.csv", table("face", "left_hand", "Landmark")), "landmark");
+  ExpectTwoFrames(ReadText("mediapipe", "a.csv", table("pose_world_landmark", "left_hand", "pose_landmark")), "world");
+  EXPECT_THAT(ReadTextError("mediapipe", "a.csv", table("face", "left_hand", "body")),
+              HasSubstr("line 1: expected the numbered landmarks of one body, found \"body_0\", \"face_0\", "
+                        "\"left_hand_0\"; name those of the body pose_0 to pose_32"));
+  EXPECT_THAT(ReadTextError("mediapipe", "a.csv", table("face", "pose_0", "pose_1")), HasSubstr("\"pose_1_0\""));
+  EXPECT_THAT(ReadTextError("mediapipe", "a.csv",
+                            "frame," + Join([](int k) { return fmt::format("face_{0}_x,face_{0}_y", k); }) + "\n0," +
+                                Join([](int) { return "0.5,0.5"; }) + "\n"),
+              HasSubstr("expected the numbered landmarks of one body, found \"face_0\""));
+
+  std::string names = "frame,left_hand_0_x,left_hand_0_y";
+  for (const std::string& joint : MediapipeLayout().joints)
+    names += fmt::format(",{0}_x,{0}_y,{0}_z,{0}_visibility", joint);
+  ExpectTwoFrames(ReadText("mediapipe", "a.csv", names + "\n0,0.9,0.9," + Values() + "\n1,0.9,0.9," + Values() + "\n"),
+                  "a hand's numbers beside names");
+
+  std::string rows = "landmark,x,y,visibility\n";
+  for (int t = 0; t < 2; ++t) {
+    for (int k = 0; k < 40; ++k) rows += fmt::format("face_{},0.9,0.9,1\n", k);
+    for (int k = 0; k < 33; ++k) rows += fmt::format("pose_{},{},0.4,0.5\n", k, 0.2 + 0.01 * k);
+  }
+  ExpectTwoFrames(ReadText("mediapipe", "a.csv", rows), "a row per landmark");
+}
+
+TEST(Mediapipe, AFrameWithoutNumberBeginsWhereAPersonReturns) {
+  std::string table = "person,landmark,x,y\n";
+  for (int t = 0; t < 3; ++t) {
+    for (const char* const person : {"a", "b"}) {
+      if (t == 0 && *person == 'b') continue;
+      for (int k = 0; k < 33; ++k) table += fmt::format("{},{},0.5,0.{}\n", person, k, t + (*person == 'a' ? 1 : 5));
+    }
+  }
+  const DetectedCamera camera = ReadText("mediapipe", "a.csv", table);
+  ASSERT_EQ(camera.frames.size(), 3U);
+  for (std::size_t t = 0; t < 3; ++t) {
+    ASSERT_EQ(camera.frames[t].people.size(), t == 0 ? 1U : 2U) << t;
+    EXPECT_NEAR(PointOf(camera.frames[t].people[0], 7)[1], 20.0 * static_cast<double>(t + 1), 1e-4);
+  }
+  EXPECT_NEAR(PointOf(camera.frames[2].people[1], 7)[1], 140.0, 1e-4);
+}
+
 TEST(Mediapipe, JsonInAllItsForms) {
   const std::string person = Objects();
   const std::string arrays = "[" + Join([](int k) { return fmt::format("[{},0.4,-0.1,0.5]", 0.2 + 0.01 * k); }) + "]";

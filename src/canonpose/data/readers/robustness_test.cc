@@ -127,6 +127,11 @@ TEST(DamagedFiles, NestedWithoutEnd) {
     if (!victim.is_json()) continue;
     EXPECT_FALSE(Reads(victim, std::string(200000, '[')));
     EXPECT_FALSE(Reads(victim, std::string(100000, '[') + std::string(100000, ']')));
+    for (const char* const key : {"frames", "results", "data", "people", "landmarks"}) {
+      std::string text;
+      for (int i = 0; i < 50000; ++i) text += fmt::format("{{\"{}\":", key);
+      EXPECT_FALSE(Reads(victim, text + "[]" + std::string(50000, '}'))) << victim.file << ": " << key;
+    }
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "canonpose/base/error.h"
 #include "canonpose/data/codecs/json.h"
+#include "canonpose/data/readers/json_keys.h"
 #include "canonpose/data/readers/ultralytics.h"
 
 namespace canonpose::ultralytics {
@@ -18,16 +19,20 @@ namespace fs = std::filesystem;
 
 constexpr const char* kAdvice =
     "save Results.to_json() of each frame: people with class, confidence, box and keypoints {x, y, visible}";
-constexpr std::array<const char*, 7> kFrameKeys{"frame",       "frame_id", "frame_number", "frame_idx",
-                                                "frame_index", "image",    "path"};
-constexpr std::array<const char*, 7> kListKeys{"detections", "results", "predictions", "people",
-                                               "persons",    "objects", "frames"};
+constexpr std::array<const char*, 2> kImageKeys{"image", "path"};
+constexpr std::array<const char*, 6> kPeopleKeys{"detections", "results", "predictions",
+                                                 "people",     "persons", "objects"};
 
-std::optional<JsonValue> FindAny(const JsonValue& object, const auto& keys) {
-  for (const char* const key : keys) {
-    if (std::optional<JsonValue> value = object.Find(key)) return value;
-  }
-  return std::nullopt;
+/// The number of an entry's frame, or its image.
+std::optional<JsonValue> FindFrame(const JsonValue& entry) {
+  std::optional<JsonValue> frame = FindAny(entry, kFrameKeys);
+  return frame ? frame : FindAny(entry, kImageKeys);
+}
+
+/// The people of a frame, or the frames of a file.
+std::optional<JsonValue> FindList(const JsonValue& object) {
+  std::optional<JsonValue> people = FindAny(object, kPeopleKeys);
+  return people ? people : FindAnyList(object, kFrameListKeys);
 }
 
 /// Whether a value is a detection: it has a box and a class.
@@ -91,12 +96,12 @@ void AddEntry(const JsonValue& entry, std::size_t index, CameraBuilder& builder,
            others);
     return;
   }
-  const std::optional<JsonValue> frame = FindAny(entry, kFrameKeys);
+  const std::optional<JsonValue> frame = FindFrame(entry);
   if (frame && IsDetection(entry)) {
     AddDetection(entry, NamedFrame(*frame, entry, true, builder), builder, others);
     return;
   }
-  const std::optional<JsonValue> list = FindAny(entry, kListKeys);
+  const std::optional<JsonValue> list = FindList(entry);
   if (!list) entry.Fail("the people of a frame", kAdvice, entry.DescribeStructure());
   if (frame) return AddAll(*list, NamedFrame(*frame, entry, false, builder), builder, others);
   AddAll(*list, builder.Frame(static_cast<std::int64_t>(index), entry.place(), entry.file(), entry.place()), builder,
@@ -107,20 +112,20 @@ void AddEntry(const JsonValue& entry, std::size_t index, CameraBuilder& builder,
 
 bool IsFrame(const JsonValue& root) {
   if (root.json().is_object()) {
-    const std::optional<JsonValue> list = FindAny(root, kListKeys);
+    const std::optional<JsonValue> list = FindList(root);
     return list && list->json().is_array() && IsFrame(*list);
   }
   if (!root.json().is_array() || root.json().empty()) return false;
   const JsonValue first = root.At(0);
-  return IsDetection(first) && first.Has("keypoints") && first["keypoints"].Has("x") && !FindAny(first, kFrameKeys);
+  return IsDetection(first) && first.Has("keypoints") && first["keypoints"].Has("x") && !FindFrame(first);
 }
 
 bool ReadJson(const JsonValue& root, CameraBuilder& builder, OtherClasses& others) {
   std::optional<JsonValue> list;
   if (root.json().is_array()) list = root;
-  if (root.json().is_object()) list = FindAny(root, kListKeys);
+  if (root.json().is_object()) list = FindList(root);
   if (list && list->json().is_array()) {
-    const bool is_frame = list->json().empty() || (IsDetection(list->At(0)) && !FindAny(list->At(0), kFrameKeys));
+    const bool is_frame = list->json().empty() || (IsDetection(list->At(0)) && !FindFrame(list->At(0)));
     if (is_frame) {
       AddAll(*list, builder.Frame(fs::path(root.file()).filename().string(), root.file(), ""), builder, others);
       return true;

@@ -17,11 +17,16 @@ constexpr double kLongestPauseSeconds = 3600.0;
 /// So many stamps in a row that grow are believed, wherever they begin.
 constexpr int kStampsOfNewBeginning = 5;
 
+/// No decoder holds back more frames than that.
+constexpr long kLongestDelay = 16;
+
 }  // namespace
 
 TimeStamps::TimeStamps(double fps)
     : interval_(1.0 / (std::isfinite(fps) && fps > 0.0 && fps < kLargestFps ? fps : kUsualFps)),
       last_stamp_(std::numeric_limits<double>::quiet_NaN()) {}
+
+long TimeStamps::corrected() const { return trailing_ <= kLongestDelay ? corrected_ - trailing_ : corrected_; }
 
 bool TimeStamps::IsSoonAfter(double time, double before) const {
   return time > before && time <= before + kUsualIntervals * std::max(interval_, step_);
@@ -49,25 +54,24 @@ bool TimeStamps::IsNewBeginning(double stamp_seconds) {
 
 double TimeStamps::Next(double stamp_seconds, double following) {
   const bool is_first = frames_++ == 0;
-  const bool is_stamp = std::isfinite(stamp_seconds);
-  if (!has_origin_ && is_stamp) {
+  bool is_believed = true;
+  if (!has_origin_ && std::isfinite(stamp_seconds)) {
     if (!is_first) last_ += interval_;
     origin_ = stamp_seconds - last_;
     has_origin_ = true;
-  } else if (is_first) {
-    ++corrected_;
   } else if (IsBelievable(stamp_seconds - origin_, following - origin_)) {
     step_ = stamp_seconds - origin_ - last_;
     last_ = stamp_seconds - origin_;
-    growing_ = 0;
   } else if (IsNewBeginning(stamp_seconds)) {
     last_ += stamp_seconds - last_stamp_;
     origin_ = stamp_seconds - last_;
-    growing_ = 0;
   } else {
-    last_ = Guess(following - origin_);
-    ++corrected_;
+    if (!is_first) last_ = Guess(following - origin_);
+    is_believed = false;
   }
+  if (is_believed) growing_ = 0;
+  trailing_ = is_believed ? 0 : trailing_ + 1;
+  corrected_ += is_believed ? 0 : 1;
   last_stamp_ = stamp_seconds;
   return last_;
 }

@@ -16,8 +16,8 @@ class TimeStamps {
   /// the stamp of the frame after it, NaN at the end.
   double Next(double stamp_seconds, double following);
 
-  /// Frames whose stamp was not believed.
-  [[nodiscard]] long corrected() const { return corrected_; }
+  /// Frames whose stamp was not believed, without a few at the end: decoders give those of most videos without one.
+  [[nodiscard]] long corrected() const;
 
  private:
   [[nodiscard]] bool IsSoonAfter(double time, double before) const;
@@ -35,7 +35,8 @@ class TimeStamps {
   bool has_origin_ = false;
   int growing_ = 0;  ///< stamps in a row that were not believed, each later than the one before
   long frames_ = 0;
-  long corrected_ = 0;
+  long corrected_ = 0;  ///< frames whose stamp was not believed
+  long trailing_ = 0;   ///< of these, those since the last one that was
 };
 
 }  // namespace canonpose

@@ -58,7 +58,7 @@ class VideoReader {
   /// are not there, as in a file that was cut off. Where the container has only a duration, those are an estimate of
   /// what its end lacks.
   [[nodiscard]] long skipped() const { return skipped_; }
-  /// Frames so far whose time stamp was not believed (TimeStamps).
+  /// Frames so far whose time stamp was not believed (TimeStamps::corrected()).
   [[nodiscard]] long times_corrected() const;
 
  private:

@@ -27,6 +27,16 @@ int Sync(const fs::path& path, int flags) {
   return result;
 }
 
+/// Syncs everything on a folder's file system: thousands of small files, one by one, would each wait for the disk.
+/// Returns the error number, 0 on success and where the file system cannot.
+int SyncAllBeside(const fs::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return errno;
+  const int result = ::syncfs(descriptor) == 0 ? 0 : errno;
+  ::close(descriptor);
+  return result == ENOSYS || result == EINVAL ? 0 : result;
+}
+
 /// The permissions that new files of this process are denied. The mask can only be read by setting it.
 mode_t FileModeMask() {
   const mode_t mask = ::umask(0);
@@ -143,10 +153,12 @@ AtomicFolder::~AtomicFolder() {
 }
 
 void AtomicFolder::Commit() {
+  if (const int failure = SyncAllBeside(temporary_path_); failure != 0) ThrowCannotWrite(path_, failure);
   std::error_code error;
   fs::rename(temporary_path_, path_, error);
   if (error) ThrowCannotWrite(path_, error.value());
   committed_ = true;
+  Sync(FolderOf(path_), O_RDONLY | O_DIRECTORY);  // best effort: not every file system can sync a folder
 }
 
 void WriteFileAtomically(const fs::path& path, std::string_view contents) {

@@ -50,7 +50,7 @@ class AtomicFolder {
 
   /// Where to write: an empty folder.
   [[nodiscard]] const std::filesystem::path& temporary_path() const { return temporary_path_; }
-  /// Moves the folder to `path`. Throws Error(kBadInput) where that fails.
+  /// Syncs the files to disk and moves the folder to `path`. Throws Error(kBadInput) where that fails.
   void Commit();
 
  private:

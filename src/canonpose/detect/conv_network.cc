@@ -1,6 +1,7 @@
 #include "canonpose/detect/conv_network.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 #include <utility>
@@ -70,7 +71,10 @@ using internal::Buffers;
 using internal::Operation;
 using internal::Step;
 
-constexpr const char* kAdvice = "get the detector again";
+/// MoveNet has about 200; each takes its share of the stack.
+constexpr int kLongestChain = 1000;
+/// Inputs' sides are multiples of it.
+constexpr int kSmallest = 32;
 
 torch::Tensor ToTensor(const GraphConstant& constant) {
   std::vector<std::int64_t> shape(constant.shape.begin(), constant.shape.end());
@@ -155,6 +159,7 @@ struct ConvNetwork::Plan {
   std::vector<internal::Step> steps;
   std::vector<int> outputs;  ///< places of values
   int places = 1;            ///< of which the first is the input's
+  std::vector<std::array<int, 3>> shapes;
   internal::Buffers buffers;
 };
 
@@ -170,7 +175,9 @@ class Planner {
     const auto found = places_.find(name);
     if (found != places_.end()) return found->second;
     if (!open_.insert(name).second) Fail(name, "no operator that needs its own output");
+    if (++depth_ > kLongestChain) Fail(name, fmt::format("no more than {} operators in a row", kLongestChain));
     Step step = MakeStep(model_.Node(name));
+    --depth_;
     step.output = places_[name] = next_place_++;
     steps_.push_back(std::move(step));
     return steps_.back().output;
@@ -191,7 +198,8 @@ class Planner {
  private:
   [[noreturn]] void Fail(const std::string& node, const std::string& expected) const {
     const auto found = model_.nodes.find(node);
-    ThrowBadInput({model_.file, node, expected, found == model_.nodes.end() ? "nothing" : found->second.op, kAdvice});
+    ThrowBadInput(
+        {model_.file, node, expected, found == model_.nodes.end() ? "nothing" : found->second.op, kGetDetectorAgain});
   }
 
   void RequireInputs(const GraphNode& node, std::size_t least) const {
@@ -223,7 +231,7 @@ class Planner {
     RequireInputs(node, 2);
     const GraphConstant& kernel = model_.Constant(node.inputs[1]);
     const bool is_depthwise = node.op.find("Depthwise") != std::string::npos;
-    if (kernel.shape.size() != 4 || (is_depthwise && kernel.shape[3] != 1))
+    if (kernel.shape.size() != 4 || kernel.values.empty() || (is_depthwise && kernel.shape[3] != 1))
       Fail(node.name, "a kernel of four dimensions");
     if (node.strides.size() != 4 || node.strides[1] != node.strides[2] || node.strides[1] < 1) {
       Fail(node.name, "equal strides in height and width");
@@ -266,6 +274,7 @@ class Planner {
   std::set<std::string> open_;
   std::vector<Step> steps_;
   int next_place_ = 1;
+  int depth_ = 0;  ///< operators that wait for their inputs
 };
 
 }  // namespace
@@ -273,24 +282,27 @@ class Planner {
 ConvNetwork::ConvNetwork(const GraphModel& model, const std::string& input, const std::vector<std::string>& outputs)
     : plan_(std::make_unique<Plan>()) {
   at::init_num_threads();  // the process's number of threads holds for this thread only once it was told
-  Planner planner(model, input);
-  for (const std::string& output : outputs) plan_->outputs.push_back(planner.Place(output));
-  plan_->steps = planner.TakeSteps(plan_->outputs);
-  plan_->places = planner.place_count();
-  // Weights of wrong shapes show as soon as they are used.
-  constexpr int kSmallest = 32;
   try {
-    (void)Evaluate(std::vector<float>(3 * kSmallest * kSmallest, 0.0F), kSmallest, kSmallest);
+    Planner planner(model, input);
+    for (const std::string& output : outputs) plan_->outputs.push_back(planner.Place(output));
+    plan_->steps = planner.TakeSteps(plan_->outputs);
+    plan_->places = planner.place_count();
+    // Weights of wrong shapes show as soon as they are used.
+    for (const FeatureMap& map : Evaluate(std::vector<float>(3 * kSmallest * kSmallest, 0.0F), kSmallest, kSmallest)) {
+      plan_->shapes.push_back({map.height, map.width, map.channels});
+    }
   } catch (const c10::Error& error) {
     const std::string what = error.what_without_backtrace();
-    ThrowBadInput(
-        {model.file, "weightsManifest", "weights that fit the operators", what.substr(0, what.find('\n')), kAdvice});
+    ThrowBadInput({model.file, "weightsManifest", "weights that fit the operators", what.substr(0, what.find('\n')),
+                   kGetDetectorAgain});
   }
 }
 
 ConvNetwork::~ConvNetwork() = default;
 ConvNetwork::ConvNetwork(ConvNetwork&&) noexcept = default;
 ConvNetwork& ConvNetwork::operator=(ConvNetwork&&) noexcept = default;
+
+const std::vector<std::array<int, 3>>& ConvNetwork::output_shapes() const { return plan_->shapes; }
 
 int ConvNetwork::operator_count() const { return static_cast<int>(plan_->steps.size()); }
 

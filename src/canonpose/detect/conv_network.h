@@ -1,6 +1,7 @@
 // Evaluates the convolutional part of a graph model on the CPU. No LibTorch in this header.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <string>
@@ -36,6 +37,9 @@ class ConvNetwork {
 
   /// The outputs, in the order given, for an input (height, width, 3), both multiples of 32.
   [[nodiscard]] std::vector<FeatureMap> Evaluate(std::span<const float> input, int height, int width) const;
+
+  /// Height, width and channels of the outputs for an input of 32x32.
+  [[nodiscard]] const std::vector<std::array<int, 3>>& output_shapes() const;
 
   /// How many operators there are.
   [[nodiscard]] int operator_count() const;

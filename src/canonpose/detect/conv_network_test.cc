@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -124,6 +125,7 @@ TEST(ConvNetwork, RefusesGraphsThatItCannotEvaluate) {
     GraphFile file;
     file.Weights("k", {3, 3, 3, 2}, Numbers(54, 1))
         .Weights("short", {1}, {0.0F})
+        .Weights("none", {1, 1, 3, 0}, {})
         .Weights("wide", {3, 3, 7, 2}, Numbers(126, 1));
     file.Node("in", "Placeholder", {}).Node("a", op, inputs, attributes);
     const GraphModel model = ReadGraphModel(file.Write(folder));
@@ -139,7 +141,25 @@ TEST(ConvNetwork, RefusesGraphsThatItCannotEvaluate) {
   EXPECT_THAT(message("_FusedConv2D", {"in", "wide"}, ConvolutionAttributes(1, true)),
               HasSubstr("weights that fit the operators"));
   EXPECT_THAT(message("AddV2", {"in", "a"}), HasSubstr("needs its own output"));
+  EXPECT_THAT(message("_FusedConv2D", {"in", "none"}, ConvolutionAttributes(1, true)),
+              HasSubstr("a kernel of four dimensions"));
   EXPECT_THAT(message("ResizeBilinear", {"in"}), HasSubstr("half_pixel_centers"));
+}
+
+TEST(ConvNetwork, RefusesChainsThatWouldFillTheStack) {
+  const testing::TemporaryFolder folder;
+  GraphFile file;
+  file.Node("in", "Placeholder", {});
+  std::string last = "in";
+  for (int i = 0; i < 100000; ++i) {
+    const std::string name = fmt::format("a{}", i);
+    file.Node(name, "AddV2", {last, last});
+    last = name;
+  }
+  const GraphModel model = ReadGraphModel(file.Write(folder));
+  EXPECT_THAT(testing::ErrorOf(ErrorKind::kBadInput, [&] { const ConvNetwork network(model, "in", {last}); }),
+              HasSubstr("no more than 1000 operators in a row"));
+  EXPECT_EQ(ConvNetwork(model, "in", {"a900"}).operator_count(), 901);
 }
 
 }  // namespace

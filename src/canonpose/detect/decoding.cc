@@ -83,6 +83,8 @@ Box BoxOf(const PoseMaps& maps, Cell centre) {
   const float* offset = maps.box_offset.At(centre.y, centre.x);
   const float y = static_cast<float>(centre.y) + offset[0];
   const float x = static_cast<float>(centre.x) + offset[1];
+  // Weights that are damaged, though of the right number, give anything.
+  if (!std::isfinite(y + x + scale[0] + scale[1])) return {0.0F, 0.0F, 0.0F, 0.0F};
   const float half_height = std::max(scale[0], 0.0F) * 0.5F;
   const float half_width = std::max(scale[1], 0.0F) * 0.5F;
   const auto height = static_cast<float>(maps.heat.height);

@@ -98,6 +98,17 @@ TEST(DecodePoses, LeavesOutWeakCentresAndMoreThanSix) {
   EXPECT_EQ(DecodePoses(maps, 0.1F).size(), 6U);
 }
 
+TEST(DecodePoses, FindsNoJointsInABoxThatIsNoNumber) {
+  for (const float damaged : {std::nanf(""), HUGE_VALF, -HUGE_VALF}) {
+    PoseMaps maps = EmptyMaps(32, 32);
+    AddPerson(maps, 16, 16, 0, kYes);
+    At(maps.box_scale, 16, 16, 0) = damaged;
+    const std::vector<DetectedPose> poses = DecodePoses(maps, 0.1F);
+    ASSERT_EQ(poses.size(), 1U);
+    EXPECT_EQ(poses[0].joints[kNose].score, 0.0F);
+  }
+}
+
 TEST(Decoding, ChecksSizes) {
   PoseMaps maps = EmptyMaps(16, 16);
   EXPECT_THROW((void)DecodeSinglePose(maps, std::vector<float>(4, 1.0F)), std::logic_error);

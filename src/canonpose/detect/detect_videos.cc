@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <deque>
+#include <exception>
 #include <fstream>
 #include <mutex>
 #include <numeric>
@@ -34,7 +35,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Changes whenever the same video, networks and options no longer give the same keypoints.
-constexpr int kMethodVersion = 1;
+constexpr int kMethodVersion = 2;
 
 /// Adds the size of a file and its beginning and end, which is enough to know it again.
 void AddFile(const fs::path& path, Fingerprint& fingerprint) {
@@ -66,6 +67,18 @@ std::string SubjectOf(const VideoSource& source, const DetectOptions& options, c
                      fingerprint.value(), detector.fingerprint, options.tracker.search_interval,
                      options.tracker.most_people);
 }
+
+/// During its lifetime, OpenCV uses that many threads.
+class ImageThreadScope {
+ public:
+  explicit ImageThreadScope(int threads) : before_(cv::getNumThreads()) { cv::setNumThreads(threads); }
+  ~ImageThreadScope() { cv::setNumThreads(before_); }
+  ImageThreadScope(const ImageThreadScope&) = delete;
+  ImageThreadScope& operator=(const ImageThreadScope&) = delete;
+
+ private:
+  int before_;
+};
 
 /// Progress over the frames of all videos, which threads report one by one.
 class SharedProgress {
@@ -115,6 +128,16 @@ void ReportSkipped(const VideoReader& reader, long frames) {
              reader.skipped(), reader.skipped() + frames);
 }
 
+void ReportTimes(const VideoReader& reader, long frames) {
+  if (reader.times_corrected() == 0) return;
+  LogWarning("{}: the time stamps of {} of {} frames are missing or wrong, and were replaced by the usual interval",
+             reader.source().path.string(), reader.times_corrected(), frames);
+}
+
+fs::path JournalOf(const DetectOptions& options, const std::string& name) {
+  return options.output / ("." + name + ".journal");
+}
+
 /// One video at work.
 struct VideoJob {
   VideoSource source;
@@ -125,7 +148,7 @@ struct VideoJob {
 /// Returns false where the caller asked to stop.
 bool DetectOne(VideoJob& job, const DetectOptions& options, const Detector& detector, SharedProgress& progress) {
   VideoReader reader(job.source, options.image_fps);
-  Journal journal(options.output / ("." + job.source.name + ".journal"), job.subject);
+  Journal journal(JournalOf(options, job.source.name), job.subject);
   if (!journal.known().empty()) LogInfo("{}: goes on after frame {}", job.source.name, journal.known().size());
   const std::unique_ptr<PoseNetwork> network = detector.make_network();
   RecordedNetwork recorded(*network);
@@ -139,6 +162,7 @@ bool DetectOne(VideoJob& job, const DetectOptions& options, const Detector& dete
                    "copy the file from the camera again"});
   }
   ReportSkipped(reader, frames);
+  ReportTimes(reader, frames);
   keypoints.name = job.source.name;
   keypoints.video = job.source.path.filename().string();
   keypoints.image_size = reader.info().image_size;
@@ -149,7 +173,7 @@ bool DetectOne(VideoJob& job, const DetectOptions& options, const Detector& dete
   keypoints.subject = job.subject;
   FinishPeople(keypoints);
   WriteKeypointFolder(job.result.folder, keypoints);
-  journal.Remove();
+  journal.Remove();  // only now that the folder is on disk
 
   DetectedVideo& result = job.result;
   result.image_size = keypoints.image_size;
@@ -158,6 +182,18 @@ bool DetectOne(VideoJob& job, const DetectOptions& options, const Detector& dete
   result.people = CountPeople(keypoints);
   result.frames_skipped = reader.skipped();
   return true;
+}
+
+/// The same. Where it fails and others go on, says so at once: the error itself shows when all have ended, and only the
+/// first video's.
+bool DetectOrReport(VideoJob& job, bool has_others, const DetectOptions& options, const Detector& detector,
+                    SharedProgress& progress) {
+  try {
+    return DetectOne(job, options, detector, progress);
+  } catch (const std::exception& error) {
+    if (has_others) LogWarning("{}: failed: {}", job.source.name, error.what());
+    throw;
+  }
 }
 
 /// Whether a video's folder is there already. Throws where it holds something else.
@@ -186,11 +222,14 @@ std::vector<VideoJob> PlanJobs(const DetectOptions& options, const Detector& det
   return jobs;
 }
 
-/// Opens the videos that are still to be read, so that one that cannot be shows before the others' hours of work.
-long FramesToRead(const std::vector<VideoJob>& jobs) {
+/// Opens the videos that are still to be read, so that one that cannot be, or another run's journal, shows before the
+/// others' hours of work.
+long FramesToRead(const std::vector<VideoJob>& jobs, const DetectOptions& options) {
   long frames = 0;
   for (const VideoJob& job : jobs) {
-    if (!job.result.was_there) frames += VideoReader(job.source).info().frame_count;
+    if (job.result.was_there) continue;
+    RequireJournalOf(JournalOf(options, job.source.name), job.subject);
+    frames += VideoReader(job.source).info().frame_count;
   }
   return frames;
 }
@@ -200,7 +239,8 @@ long FramesToRead(const std::vector<VideoJob>& jobs) {
 void DetectOptions::Validate() const {
   if (videos.empty()) ThrowInvalidArgument("give at least one video");
   if (output.empty()) ThrowInvalidArgument("give the folder for the keypoints");
-  if (!std::isfinite(image_fps) || image_fps < 0.0) ThrowInvalidArgument("`fps` must be above 0, not {}", image_fps);
+  if (!std::isfinite(image_fps) || image_fps < 0.0)
+    ThrowInvalidArgument("`image_fps` must be 0 or more, not {}", image_fps);
   if (threads < 0) ThrowInvalidArgument("`threads` must be 0 or more, not {}", threads);
   tracker.Validate();
 }
@@ -218,10 +258,10 @@ DetectReport DetectVideos(const DetectOptions& options, const Detector& detector
   std::vector<VideoJob> jobs = PlanJobs(options, detector);
   MakeDirectory(options.output);
   const FolderLock lock(options.output);
-  const long frames = FramesToRead(jobs);
+  const long frames = FramesToRead(jobs, options);
   // A video is one thread's work: more of them for a network wait for each other wherever a core is busy.
   const ThreadScope one_thread(1);
-  cv::setNumThreads(1);
+  const ImageThreadScope one_image_thread(1);
   std::vector<VideoJob*> open;
   for (VideoJob& job : jobs) {
     if (!job.result.was_there) open.push_back(&job);
@@ -230,7 +270,8 @@ DetectReport DetectVideos(const DetectOptions& options, const Detector& detector
   {
     SharedProgress progress(frames);
     InParallel(static_cast<int>(open.size()), ThreadsToUse(options.threads), [&](int i) {
-      if (!stopped && !DetectOne(*open[static_cast<std::size_t>(i)], options, detector, progress)) stopped = true;
+      VideoJob& job = *open[static_cast<std::size_t>(i)];
+      if (!stopped && !DetectOrReport(job, open.size() > 1, options, detector, progress)) stopped = true;
     });
   }
   DetectReport report;

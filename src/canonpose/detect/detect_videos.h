@@ -47,7 +47,8 @@ struct DetectReport {
 /// work, what the network said of its frames is in output/.NAME.journal, from which a run that was killed goes on; the
 /// result is the same to the bit. Videos whose folder is there, from the same file, networks and options, are left
 /// alone. Reports progress in frames of all videos. Throws Error(kBadInput) where a video or network cannot be read, a
-/// folder holds something else, or another process is at work in `output`.
+/// folder holds something else, a journal is of another video, network or options (it is kept), or another process is
+/// at work in `output`. Where one of several videos fails, a warning names it at once, and the others are still read.
 DetectReport DetectVideos(const DetectOptions& options);
 
 /// A detector to use instead of the networks on disk.

@@ -9,6 +9,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/core/utility.hpp>
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/base/testing.h"
@@ -22,8 +23,10 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
+using ::testing::DoubleNear;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Pointwise;
 using ::testing::SizeIs;
 
 /// A detector that reads the frame's number from its brightness and sees one walker; counts its questions.
@@ -119,6 +122,26 @@ TEST_F(DetectVideosTest, GoesOnWhereItWasStoppedWithTheSameResult) {
   EXPECT_EQ(questions_, all_questions) << "no question was asked twice";
 }
 
+TEST_F(DetectVideosTest, KeepsTheWorkOfARunWithOtherOptions) {
+  options_.threads = 1;
+  {
+    Callbacks callbacks;
+    callbacks.stop = [&] { return questions_ >= 10; };
+    const CallbackScope scope(callbacks);
+    EXPECT_TRUE(DetectVideos(options_, detector_).stopped);
+  }
+  const std::string journal = ReadFile(options_.output / ".a.journal");
+  const int questions = questions_;
+  DetectOptions other = options_;
+  other.tracker.search_interval = 5;
+  EXPECT_THAT(
+      testing::ErrorOf(ErrorKind::kBadInput, [&] { (void)DetectVideos(other, detector_); }),
+      AllOf(HasSubstr(".a.journal"), HasSubstr("search every 5"), HasSubstr("search every 15"), HasSubstr("remove ")));
+  EXPECT_EQ(questions_, questions);
+  EXPECT_EQ(ReadFile(options_.output / ".a.journal"), journal);
+  EXPECT_FALSE(DetectVideos(options_, detector_).stopped);
+}
+
 TEST_F(DetectVideosTest, LeavesFinishedVideosAloneAndRefusesOthers) {
   DetectVideos(options_, detector_);
   const int questions = questions_;
@@ -172,6 +195,39 @@ TEST_F(DetectVideosTest, WarnsOfMissingFramesAndRefusesVideosWithoutAny) {
               HasSubstr("a video that can be read"));
 }
 
+TEST_F(DetectVideosTest, NamesEachVideoThatFailsWhenItDoes) {
+  detector_.make_network = []() -> std::unique_ptr<PoseNetwork> { throw Error(ErrorKind::kBadInput, "no network"); };
+  testing::CollectedMessages messages;
+  EXPECT_THAT(testing::ErrorOf(ErrorKind::kBadInput, [&] { (void)DetectVideos(options_, detector_); }),
+              HasSubstr("no network"));
+  EXPECT_THAT(messages.text(), AllOf(HasSubstr("a: failed: no network"), HasSubstr("b: failed: no network")));
+}
+
+TEST_F(DetectVideosTest, LeavesOpenCvsThreadsAsTheyWere) {
+  const int before = cv::getNumThreads();
+  cv::setNumThreads(2);
+  DetectVideos(options_, detector_);
+  EXPECT_EQ(cv::getNumThreads(), 2);
+  cv::setNumThreads(before);
+}
+
+TEST_F(DetectVideosTest, WarnsOfTimeStampsThatAreNotBelieved) {
+  // In Matroska each frame has its own: the sixth one's is set to 30 seconds.
+  testing::WriteNumberedVideo(folder_ / "c.mkv", 12, 25.0, {320, 240});
+  std::string bytes = ReadFile(folder_ / "c.mkv");
+  const std::string stamp_200{"\x81\x00\xC8", 3};  // track 1, 200 ms
+  const std::size_t place = bytes.find(stamp_200);
+  ASSERT_NE(place, std::string::npos);
+  bytes.replace(place, 3, std::string("\x81\x75\x30", 3));
+  WriteFileAtomically(folder_ / "c.mkv", bytes);
+  options_.videos = {(folder_ / "c.mkv").string()};
+  testing::CollectedMessages messages;
+  DetectVideos(options_, detector_);
+  EXPECT_THAT(messages.text(), HasSubstr("the time stamps of 1 of 12 frames are missing or wrong"));
+  EXPECT_THAT(ReadVideoFacts(options_.output / "c")->times_seconds,
+              Pointwise(DoubleNear(1e-3), {0.0, 0.04, 0.08, 0.12, 0.16, 0.2, 0.24, 0.28, 0.32, 0.36, 0.4, 0.44}));
+}
+
 TEST_F(DetectVideosTest, RefusesSenselessOptions) {
   const auto message = [&](auto change) {
     DetectOptions options = options_;
@@ -181,7 +237,7 @@ TEST_F(DetectVideosTest, RefusesSenselessOptions) {
   EXPECT_THAT(message([](DetectOptions& o) { o.videos.clear(); }), HasSubstr("at least one video"));
   EXPECT_THAT(message([](DetectOptions& o) { o.output.clear(); }), HasSubstr("the folder"));
   EXPECT_THAT(message([](DetectOptions& o) { o.threads = -1; }), HasSubstr("`threads`"));
-  EXPECT_THAT(message([](DetectOptions& o) { o.image_fps = -1; }), HasSubstr("`fps`"));
+  EXPECT_THAT(message([](DetectOptions& o) { o.image_fps = -1; }), HasSubstr("`image_fps` must be 0 or more"));
 }
 
 }  // namespace

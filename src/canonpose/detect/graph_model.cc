@@ -1,9 +1,11 @@
 #include "canonpose/detect/graph_model.h"
 
 #include <bit>
+#include <charconv>
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kAdvice = "get the detector again";
 /// No weight of such a network is larger; what is comes from a damaged file.
 constexpr std::size_t kLargestConstant = 1U << 26U;
 
@@ -30,7 +31,7 @@ std::string DecodeBase64(const JsonValue& value) {
   for (const char c : value.String()) {
     if (c == '=') break;
     const std::size_t digit = kDigits.find(c);
-    if (digit == std::string_view::npos) value.Fail("base64", kAdvice);
+    if (digit == std::string_view::npos) value.Fail("base64", kGetDetectorAgain);
     bits = (bits << 6U) | static_cast<std::uint32_t>(digit);
     count += 6;
     if (count < 8) continue;
@@ -42,12 +43,16 @@ std::string DecodeBase64(const JsonValue& value) {
 
 /// Integers, which the format writes as strings.
 int ToInt(const JsonValue& value) {
-  if (value.json().is_number_integer()) return static_cast<int>(value.Integer());
-  const std::string text = value.String();
-  if (text.empty() || text.size() > 9 || text.find_first_not_of("-0123456789") != std::string::npos) {
-    value.Fail("an integer", kAdvice);
+  if (value.json().is_number_integer()) {
+    const std::int64_t integer = value.Integer();
+    if (!std::in_range<int>(integer)) value.Fail("an integer of 32 bits", kGetDetectorAgain);
+    return static_cast<int>(integer);
   }
-  return std::atoi(text.c_str());
+  const std::string text = value.String();
+  int integer = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), integer);
+  if (error != std::errc() || end != text.data() + text.size()) value.Fail("an integer of 32 bits", kGetDetectorAgain);
+  return integer;
 }
 
 /// attr.NAME.list.KIND
@@ -95,7 +100,7 @@ class WeightBytes {
     for (std::size_t i = 0; i < shape.ArraySize(); ++i) {
       const int extent = ToInt(shape.At(i));
       if (extent < 0 || (extent > 0 && count > kLargestConstant / static_cast<std::size_t>(extent))) {
-        shape.Fail("the shape of a weight", kAdvice);
+        shape.Fail("the shape of a weight", kGetDetectorAgain);
       }
       count *= static_cast<std::size_t>(extent);
       constant.shape.push_back(extent);
@@ -108,7 +113,8 @@ class WeightBytes {
 
   void RequireEnd() const {
     if (next_ == bytes_.size()) return;
-    ThrowBadInput({path_.string(), "", fmt::format("{} bytes", next_), fmt::format("{}", bytes_.size()), kAdvice});
+    ThrowBadInput(
+        {path_.string(), "", fmt::format("{} bytes", next_), fmt::format("{}", bytes_.size()), kGetDetectorAgain});
   }
 
  private:
@@ -116,7 +122,8 @@ class WeightBytes {
     const std::optional<JsonValue> quantization = entry.Find("quantization");
     const JsonValue type = quantization ? (*quantization)["dtype"] : entry["dtype"];
     std::string name = type.String();
-    if (name != "float16" && name != "float32" && name != "int32") type.Fail("float16, float32 or int32", kAdvice);
+    if (name != "float16" && name != "float32" && name != "int32")
+      type.Fail("float16, float32 or int32", kGetDetectorAgain);
     return name;
   }
 
@@ -130,7 +137,7 @@ class WeightBytes {
   Number Read(const JsonValue& entry) {
     if (bytes_.size() - next_ < sizeof(Number)) {
       ThrowBadInput({path_.string(), "", "the weights that " + entry.file() + " names, up to " + entry["name"].String(),
-                     fmt::format("{} bytes", bytes_.size()), kAdvice});
+                     fmt::format("{} bytes", bytes_.size()), kGetDetectorAgain});
     }
     Number number;
     std::memcpy(&number, bytes_.data() + next_, sizeof number);
@@ -158,13 +165,15 @@ float HalfToFloat(std::uint16_t half) {
 
 const GraphNode& GraphModel::Node(const std::string& name) const {
   const auto found = nodes.find(name);
-  if (found == nodes.end()) ThrowBadInput({file, "modelTopology.node", "the operator " + name, "none", kAdvice});
+  if (found == nodes.end())
+    ThrowBadInput({file, "modelTopology.node", "the operator " + name, "none", kGetDetectorAgain});
   return found->second;
 }
 
 const GraphConstant& GraphModel::Constant(const std::string& name) const {
   const auto found = constants.find(name);
-  if (found == constants.end()) ThrowBadInput({file, "weightsManifest", "the weights " + name, "none", kAdvice});
+  if (found == constants.end())
+    ThrowBadInput({file, "weightsManifest", "the weights " + name, "none", kGetDetectorAgain});
   return found->second;
 }
 
@@ -177,8 +186,8 @@ const GraphNode& GraphModel::NodeLike(const std::string& begin, const std::strin
     ++count;
   }
   if (count == 1) return *found;
-  ThrowBadInput(
-      {file, "modelTopology.node", fmt::format("one operator {}...{}", begin, end), fmt::format("{}", count), kAdvice});
+  ThrowBadInput({file, "modelTopology.node", fmt::format("one operator {}...{}", begin, end), fmt::format("{}", count),
+                 kGetDetectorAgain});
 }
 
 GraphModel ReadGraphModel(const fs::path& json) {
@@ -193,7 +202,7 @@ GraphModel ReadGraphModel(const fs::path& json) {
   }
   const JsonValue manifest = root["weightsManifest"];
   if (manifest.ArraySize() != 1 || manifest.At(0)["paths"].ArraySize() != 1) {
-    manifest.Fail("one file of weights", kAdvice, fmt::format("{} groups of files", manifest.ArraySize()));
+    manifest.Fail("one file of weights", kGetDetectorAgain, fmt::format("{} groups of files", manifest.ArraySize()));
   }
   fs::path weights = json;
   WeightBytes bytes(weights.replace_extension(".bin"));

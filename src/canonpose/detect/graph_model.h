@@ -9,6 +9,9 @@
 
 namespace canonpose {
 
+/// The advice of every error about a model's files.
+inline constexpr const char* kGetDetectorAgain = "get the detector again";
+
 /// A constant of the graph, as 32-bit floats whatever the file has; integers are exact up to 2^24.
 struct GraphConstant {
   std::vector<int>

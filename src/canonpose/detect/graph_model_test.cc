@@ -81,6 +81,12 @@ TEST(GraphModel, RefusesDamagedFiles) {
               HasSubstr("base64"));
   EXPECT_THAT(with([](auto& json) { json["modelTopology"]["node"][2]["attr"]["strides"]["list"]["i"][1] = "two"; }),
               HasSubstr("an integer"));
+  for (const nlohmann::json& stride : {nlohmann::json("4294967297"), nlohmann::json(4294967297), nlohmann::json("1-1"),
+                                       nlohmann::json("-"), nlohmann::json("")}) {
+    EXPECT_THAT(with([&](auto& json) { json["modelTopology"]["node"][2]["attr"]["strides"]["list"]["i"][1] = stride; }),
+                HasSubstr("an integer of 32 bits"))
+        << stride;
+  }
   std::ofstream(path) << SmallModel().ToJson().dump().substr(0, 100);
   EXPECT_THAT(message(), HasSubstr("model.json"));
 }

@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "canonpose/base/atomic_file.h"
@@ -93,7 +94,19 @@ std::optional<FrameAnswers> FromLine(std::string_view text) {
 
 }  // namespace
 
+void RequireJournalOf(const fs::path& path, const std::string& subject) {
+  std::ifstream stream(path, std::ios::binary);
+  std::string first;
+  if (!std::getline(stream, first) || first == subject || stream.peek() == std::ifstream::traits_type::eof()) return;
+  ThrowBadInput(
+      {path.string(), "line 1", subject, first,
+       fmt::format("run with the options, video and networks of the run before, which then goes on; or remove "
+                   "{}, and its frames are read again",
+                   path.string())});
+}
+
 Journal::Journal(fs::path path, const std::string& subject) : path_(std::move(path)) {
+  RequireJournalOf(path_, subject);
   std::error_code error;
   std::size_t whole = 0;  // bytes of whole lines
   if (fs::exists(path_, error)) {

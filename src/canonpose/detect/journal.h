@@ -24,11 +24,12 @@ struct NetworkAnswer {
 using FrameAnswers = std::vector<NetworkAnswer>;
 
 /// A text file: a line that says what the answers are about, then a line per frame. A line that was not finished is
-/// dropped when the file is opened, and so are all where the first line says something else.
+/// dropped when the file is opened.
 class Journal {
  public:
-  /// Opens or creates the file. `subject` is what the answers are about: the video, the networks, the options. Throws
-  /// Error(kBadInput) where the file cannot be read or written.
+  /// Opens or creates the file. `subject` is what the answers are about: the video, the networks, the options, in one
+  /// line. Throws Error(kBadInput) where the file cannot be read or written, or has answers about something else, which
+  /// are left as they are.
   Journal(std::filesystem::path path, const std::string& subject);
 
   /// The answers about the first frames that are known already.
@@ -43,6 +44,10 @@ class Journal {
   std::deque<FrameAnswers> known_;
   std::ofstream stream_;
 };
+
+/// Throws Error(kBadInput) where `path` is a journal with answers about something other than `subject`. One without any
+/// answer is no loss.
+void RequireJournalOf(const std::filesystem::path& path, const std::string& subject);
 
 /// Passes questions on to a network and keeps its answers; where those to this frame are known, gives them instead.
 class RecordedNetwork final : public PoseNetwork {

@@ -13,6 +13,8 @@
 namespace canonpose {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
 FrameAnswers Answers(float value) {
@@ -56,7 +58,7 @@ TEST(Journal, DropsALineThatWasNotFinishedAndGoesOnThere) {
   EXPECT_EQ(journal.known().back()[0].numbers.front(), 4.0F);
 }
 
-TEST(Journal, BeginsAnewForAnotherSubjectAndStopsAtDamage) {
+TEST(Journal, StopsAtDamage) {
   const testing::TemporaryFolder folder;
   {
     Journal journal(folder / "j", "subject");
@@ -66,8 +68,26 @@ TEST(Journal, BeginsAnewForAnotherSubjectAndStopsAtDamage) {
   text.replace(text.find("2.0"), 3, "two");
   WriteFileAtomically(folder / "j", text);
   EXPECT_THAT(Journal(folder / "j", "subject").known(), SizeIs(1));
-  EXPECT_THAT(Journal(folder / "j", "another").known(), SizeIs(0));
-  EXPECT_THAT(Journal(folder / "j", "subject").known(), SizeIs(0));
+}
+
+TEST(Journal, KeepsAnswersAboutAnotherSubject) {
+  const testing::TemporaryFolder folder;
+  Journal(folder / "j", "subject").Append(Answers(1.0F));
+  const std::string before = ReadFile(folder / "j");
+  EXPECT_THAT(
+      testing::ErrorOf(ErrorKind::kBadInput, [&] { const Journal journal(folder / "j", "another"); }),
+      AllOf(HasSubstr("expected another"), HasSubstr("found subject"), HasSubstr("remove " + (folder / "j").string())));
+  EXPECT_EQ(ReadFile(folder / "j"), before);
+  EXPECT_THAT(Journal(folder / "j", "subject").known(), SizeIs(1));
+}
+
+TEST(Journal, BeginsAnewWhereThereIsNoAnswerYet) {
+  const testing::TemporaryFolder folder;
+  for (const char* text : {"", "sub", "another\n"}) {
+    WriteFileAtomically(folder / "j", text);
+    Journal(folder / "j", "subject").Append(Answers(1.0F));
+    EXPECT_THAT(Journal(folder / "j", "subject").known(), SizeIs(1)) << text;
+  }
 }
 
 TEST(RecordedNetwork, AnswersFromTheRecordAsFarAsItGoes) {

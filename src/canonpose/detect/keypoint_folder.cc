@@ -15,6 +15,7 @@
 
 #include "canonpose/base/atomic_file.h"
 #include "canonpose/data/codecs/json.h"
+#include "canonpose/data/readers/video_facts.h"
 #include "canonpose/detect/covered_joints.h"
 
 namespace canonpose {
@@ -22,7 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kVideoFile = "video.json";
 /// Somebody who is seen in fewer frames is nobody, unless the video has hardly more.
 constexpr int kFewestFrames = 5;
 constexpr double kSmallestShareOfFrames = 0.5;
@@ -94,7 +94,7 @@ std::string FrameText(const std::vector<TrackedPose>& people) {
 
 std::string VideoText(const VideoKeypoints& keypoints) {
   nlohmann::ordered_json video;
-  video["format"] = "canonpose-video";
+  video["format"] = kVideoFactsFormat;
   video["version"] = 1;
   video["video"] = keypoints.video;
   video["image_size"] = keypoints.image_size;
@@ -110,10 +110,11 @@ std::string VideoText(const VideoKeypoints& keypoints) {
     for (const double time : keypoints.times_seconds) times.push_back(std::round(time * 1e6) / 1e6);
     video["time_stamps"] = std::move(times);
   }
-  return video.dump(1) + "\n";
+  // Names of files may be any bytes; what is not UTF-8 in them is replaced.
+  return video.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-/// Writes one of many files of a folder that appears as a whole, so it need not be synced to disk by itself.
+/// Writes one of many files of a folder, which are synced to disk together when it is finished.
 void WriteFile(const fs::path& path, const std::string& text) {
   std::ofstream stream(path, std::ios::binary);
   stream << text;
@@ -147,14 +148,14 @@ void WriteKeypointFolder(const fs::path& folder, const VideoKeypoints& keypoints
     WriteFile(files.temporary_path() / fmt::format("{}_{:012}_keypoints.json", keypoints.name, t),
               FrameText(keypoints.frames[t]));
   }
-  WriteFile(files.temporary_path() / kVideoFile, VideoText(keypoints));
+  WriteFile(files.temporary_path() / kVideoFactsFile, VideoText(keypoints));
   files.Commit();
 }
 
 std::string SubjectOfFolder(const fs::path& folder) {
   std::error_code error;
-  if (!fs::is_regular_file(folder / kVideoFile, error)) return "";
-  const std::optional<JsonValue> subject = JsonValue::Load(folder / kVideoFile).Find("subject");
+  if (!fs::is_regular_file(folder / kVideoFactsFile, error)) return "";
+  const std::optional<JsonValue> subject = JsonValue::Load(folder / kVideoFactsFile).Find("subject");
   return subject ? subject->String() : "";
 }
 

@@ -33,8 +33,8 @@ double MeanRate(const std::vector<double>& times_seconds, double stated);
 void FinishPeople(VideoKeypoints& keypoints);
 
 /// Writes `folder`, which appears as a whole: NAME_000000000000_keypoints.json and so on, in the layout coco-17 with
-/// person_id, and video.json. The same keypoints give the same bytes. Throws Error(kBadInput) where `folder` exists and
-/// is not empty, or cannot be written.
+/// person_id, and video.json; it is on disk for good when this returns. The same keypoints give the same bytes. Throws
+/// Error(kBadInput) where `folder` exists and is not empty, or cannot be written.
 void WriteKeypointFolder(const std::filesystem::path& folder, const VideoKeypoints& keypoints);
 
 /// `subject` of a folder written before; empty where there is none.

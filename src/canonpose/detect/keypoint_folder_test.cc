@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canonpose/base/atomic_file.h"
 #include "canonpose/base/testing.h"
 #include "canonpose/data/readers/openpose.h"
 #include "canonpose/data/readers/video_facts.h"
@@ -12,6 +13,7 @@ namespace canonpose {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::SizeIs;
 using testing::StandingPerson;
 
@@ -54,6 +56,17 @@ TEST(KeypointFolder, IsReadBackAsWritten) {
   EXPECT_NEAR(facts->times_seconds[5], 0.2, 1e-9);
   EXPECT_EQ(SubjectOfFolder(folder / "cam1"), "subject");
   EXPECT_EQ(SubjectOfFolder(folder / "gone"), "");
+}
+
+TEST(KeypointFolder, IsWrittenForNamesThatAreNotUtf8) {
+  const testing::TemporaryFolder folder;
+  VideoKeypoints keypoints = TwoPeople(3);
+  keypoints.video = "caf\xE9.mp4";  // Latin-1
+  WriteKeypointFolder(folder / "cam1", keypoints);
+  EXPECT_THAT(ReadFile(folder / "cam1/video.json"), HasSubstr("\"video\": \"caf\xEF\xBF\xBD.mp4\""));
+  const std::optional<VideoFacts> facts = ReadVideoFacts(folder / "cam1");
+  ASSERT_TRUE(facts);
+  EXPECT_THAT(facts->times_seconds, SizeIs(3));
 }
 
 TEST(FinishPeople, LeavesOutWhoIsHardlySeenAndJointsOutside) {

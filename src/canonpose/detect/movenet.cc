@@ -1,5 +1,6 @@
 #include "canonpose/detect/movenet.h"
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <system_error>
@@ -21,17 +22,46 @@ const std::string kPrefix = "StatefulPartitionedCall/";
 /// Below this the network sees a person in nearly every chair.
 constexpr float kLeastCentreScore = 0.1F;
 
+/// Outputs of the convolutions, in the order of PoseMaps; the last two only where people have boxes.
+constexpr std::array<const char*, 6> kHeads{"kpt_heatmap_0/", "kpt_regress_0/", "center_0/",
+                                            "kpt_offset_0/",  "box_scale_0/",   "box_offset_0/"};
+/// A cell is 4 pixels wide.
+constexpr int kCellsOf32 = 8;
+
 std::vector<std::string> Heads(const GraphModel& model, bool has_boxes) {
-  std::vector<std::string> heads{"kpt_heatmap_0/", "kpt_regress_0/", "center_0/", "kpt_offset_0/"};
-  if (has_boxes) heads.insert(heads.end(), {"box_scale_0/", "box_offset_0/"});
+  std::vector<std::string> heads(kHeads.begin(), has_boxes ? kHeads.end() : kHeads.end() - 2);
   for (std::string& head : heads) head = model.NodeLike(kPrefix + head, "/BiasAdd").name;
   return heads;
+}
+
+/// Throws unless the heads have what decoding needs: for an input of 32x32, maps of 8x8 cells.
+void RequireHeads(const GraphModel& model, const ConvNetwork& network) {
+  static constexpr std::array<int, 6> kChannels{kPoseJoints, 2 * kPoseJoints, 1, 2 * kPoseJoints, 2, 2};
+  const std::vector<std::array<int, 3>>& shapes = network.output_shapes();
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const auto [height, width, channels] = shapes[i];
+    if (height == kCellsOf32 && width == kCellsOf32 && channels == kChannels[i]) continue;
+    ThrowBadInput({model.file, kPrefix + kHeads[i],
+                   fmt::format("{}x{}x{} for an input of 32x32", kCellsOf32, kCellsOf32, kChannels[i]),
+                   fmt::format("{}x{}x{}", height, width, channels), kGetDetectorAgain});
+  }
+}
+
+std::vector<float> CentreWeight(const GraphModel& model) {
+  const std::string name = "ConstantFolding/" + kPrefix + "truediv_2_recip";
+  const GraphConstant& constant = model.Constant(name);
+  constexpr std::size_t kCells = MoveNet::kCropSize / 32 * kCellsOf32;
+  if (constant.values.size() != kCells * kCells) {
+    ThrowBadInput({model.file, name, fmt::format("{} values", kCells * kCells),
+                   fmt::format("{}", constant.values.size()), kGetDetectorAgain});
+  }
+  return constant.values;
 }
 
 float SingleValue(const GraphModel& model, const std::string& name) {
   const GraphConstant& constant = model.Constant(kPrefix + name);
   if (constant.values.empty()) {
-    ThrowBadInput({model.file, kPrefix + name, "a number", "nothing", "get the detector again"});
+    ThrowBadInput({model.file, kPrefix + name, "a number", "nothing", kGetDetectorAgain});
   }
   return constant.values.front();
 }
@@ -73,7 +103,9 @@ MoveNetFiles MoveNetFiles::Read(const fs::path& folder) {
 }
 
 MoveNet::Network::Network(const GraphModel& model, bool has_boxes)
-    : scale(SingleValue(model, "truediv")), convolutions(model, kPrefix + "sub_1", Heads(model, has_boxes)) {}
+    : scale(SingleValue(model, "truediv")), convolutions(model, kPrefix + "sub_1", Heads(model, has_boxes)) {
+  RequireHeads(model, convolutions);
+}
 
 PoseMaps MoveNet::Network::Evaluate(const std::vector<float>& input, int height, int width) const {
   std::vector<FeatureMap> maps = convolutions.Evaluate(input, height, width);
@@ -86,9 +118,7 @@ PoseMaps MoveNet::Network::Evaluate(const std::vector<float>& input, int height,
 }
 
 MoveNet::MoveNet(const MoveNetFiles& files)
-    : thunder_(files.thunder, false),
-      multipose_(files.multipose, true),
-      centre_weight_(files.thunder.Constant("ConstantFolding/" + kPrefix + "truediv_2_recip").values) {}
+    : thunder_(files.thunder, false), multipose_(files.multipose, true), centre_weight_(CentreWeight(files.thunder)) {}
 
 std::vector<DetectedPose> MoveNet::FindPeople(const cv::Mat& image) {
   const WholeImage whole = TakeWholeImage(image, kImageSize, multipose_.scale, input_);

@@ -35,6 +35,7 @@ class MoveNet final : public PoseNetwork {
   /// The longer side of the image in which people are looked for. People smaller than a tenth of it are not found.
   static constexpr int kImageSize = 512;
 
+  /// Throws Error(kBadInput) where the files are not those of the two networks.
   explicit MoveNet(const MoveNetFiles& files);
 
   std::vector<DetectedPose> FindPeople(const cv::Mat& image) override;

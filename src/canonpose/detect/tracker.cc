@@ -248,7 +248,7 @@ void PersonTracker::Search(const cv::Mat& image) {
     std::optional<std::size_t> track = FindLost(pose, appearance);
     if (!track) {
       Track fresh;
-      fresh.id = tracks_.empty() ? 0 : tracks_.back().id + 1;
+      fresh.id = next_id_++;
       fresh.appearance = appearance;
       track = tracks_.size();
       tracks_.push_back(fresh);

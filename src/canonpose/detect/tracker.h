@@ -80,6 +80,7 @@ class PersonTracker {
   int height_;
   TrackerOptions options_;
   std::vector<Track> tracks_;
+  int next_id_ = 0;                    ///< only grows: an id is not given again when its track is forgotten
   std::vector<Candidate> candidates_;  ///< of this frame
   long frame_ = -1;
   long last_search_ = -1;

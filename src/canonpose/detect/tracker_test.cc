@@ -91,11 +91,21 @@ TEST(PersonTracker, FindsWhoLeftAndReturnsByColours) {
 TEST(PersonTracker, GivesSomebodyElseANewId) {
   Walker first = Walk(300.0F, 0.0F, kRed);
   first.is_visible = [](long frame) { return frame < 50; };
+  Walker ghost = Walk(600.0F, 0.0F, kBlue);
+  ghost.is_visible = [](long frame) { return frame == 15; };  // when the whole image is searched
   Walker second = Walk(900.0F, 0.0F, kBlue);
   second.is_visible = [](long frame) { return frame >= 60; };
-  WalkerNetwork network({first, second});
-  const Identities seen = Track(network, 2, 120);
-  EXPECT_NE(seen.ids.at(0), seen.ids.at(1));
+  WalkerNetwork network({first, ghost, second});
+  const Identities seen = Track(network, 3, 120);
+  EXPECT_EQ(seen.frames.at(1), 1) << "the ghost is seen, and forgotten when lost";
+  std::set<int> all;
+  std::size_t count = 0;
+  for (const auto& [walker, ids] : seen.ids) {
+    all.insert(ids.begin(), ids.end());
+    count += ids.size();
+  }
+  EXPECT_EQ(all.size(), count) << "two walkers have one id";
+  EXPECT_THAT(seen.ids.at(2), SizeIs(1));
 }
 
 TEST(PersonTracker, FollowsNoMorePeopleThanAllowed) {

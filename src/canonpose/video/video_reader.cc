@@ -1,11 +1,13 @@
 #include "canonpose/video/video_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <limits>
 #include <mutex>
-#include <optional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -25,6 +27,21 @@ namespace fs = std::filesystem;
 
 /// After a frame that cannot be decoded, so many more are tried before the video is taken to have ended.
 constexpr int kTriesAfterFailure = 16;
+
+/// Of a count that is an estimate, so few frames, or so small a share, may be missing without any having been lost.
+constexpr long kFewFrames = 3;
+constexpr double kSmallShare = 0.02;
+
+/// Whether the container has a table of its frames, or at least their number: MP4, MOV and AVI. Of others, such as
+/// Matroska, WebM and MPEG transport streams, the library estimates it from duration and rate.
+bool CountsFrames(const fs::path& path) {
+  std::array<char, 12> bytes{};
+  std::ifstream(path, std::ios::binary).read(bytes.data(), bytes.size());
+  const std::string_view first(bytes.data(), bytes.size());
+  const std::string_view kind = first.substr(4, 4);
+  const bool is_mp4 = kind == "ftyp" || kind == "moov" || kind == "mdat" || kind == "wide" || kind == "free";
+  return is_mp4 || first.substr(8) == "AVI ";
+}
 
 /// The libraries print what they find wrong; what matters of that is in our own messages.
 void SilenceLibraries() {
@@ -58,6 +75,8 @@ class VideoReader::Frames {
   Frames& operator=(const Frames&) = delete;
   /// Reads the next frame's image and time; false at the end. Adds to `skipped` what is passed over.
   virtual bool Next(cv::Mat& image, double& time_seconds, long& skipped) = 0;
+  /// Frames whose time stamp was not believed.
+  [[nodiscard]] virtual long times_corrected() const { return 0; }
 };
 
 class VideoReader::VideoFrames final : public Frames {
@@ -81,37 +100,80 @@ class VideoReader::VideoFrames final : public Frames {
     const double rotation = capture_.get(cv::CAP_PROP_ORIENTATION_META);
     if (std::isfinite(rotation)) info.rotation_degrees = (static_cast<int>(std::lround(rotation)) % 360 + 360) % 360;
     announced_ = info.frame_count;
+    rate_ = info.fps;
+    counts_frames_ = CountsFrames(path);
     info.image_size = {static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_WIDTH)),
                        static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_HEIGHT))};
     if (info.image_size[0] <= 0 || info.image_size[1] <= 0) ThrowNotAVideo(path);
   }
 
   bool Next(cv::Mat& image, double& time_seconds, long& skipped) override {
-    for (int failures = 0; failures <= kTriesAfterFailure; ++failures) {
-      if (!Grab(image)) continue;
-      time_seconds = stamps_.Next(capture_.get(cv::CAP_PROP_POS_MSEC) / 1000.0);
+    if (!has_begun_) is_at_frame_ = Advance();
+    has_begun_ = true;
+    while (is_at_frame_) {
+      const double stamp = stamp_;
+      const bool is_read = Retrieve(image);
+      const int failures = failures_;
+      failures_ = is_read ? 0 : failures + 1;
+      is_at_frame_ = Advance();
+      if (!is_read) continue;
+      // A frame's stamp is believed or not by the next one's.
+      time_seconds = last_time_ = stamps_.Next(stamp, is_at_frame_ ? stamp_ : std::numeric_limits<double>::quiet_NaN());
       skipped += failures;
       read_ += 1 + failures;
       return true;
     }
-    if (announced_ > read_) skipped += announced_ - read_;
+    skipped += MissingAtTheEnd();
     announced_ = 0;
     return false;
   }
 
+  [[nodiscard]] long times_corrected() const override { return stamps_.corrected(); }
+
  private:
-  bool Grab(cv::Mat& image) {
+  /// Goes to the next frame that can be decoded and takes its stamp; false at the end.
+  bool Advance() {
+    for (; failures_ <= kTriesAfterFailure; ++failures_) {
+      try {
+        if (!capture_.grab()) continue;
+      } catch (const cv::Exception&) {
+        continue;
+      }
+      stamp_ = capture_.get(cv::CAP_PROP_POS_MSEC) / 1000.0;
+      return true;
+    }
+    return false;
+  }
+
+  bool Retrieve(cv::Mat& image) {
     try {
-      return capture_.read(image) && !image.empty();
+      return capture_.retrieve(image) && !image.empty();
     } catch (const cv::Exception&) {
       return false;
     }
   }
 
+  /// Frames that the container states and that are not there.
+  [[nodiscard]] long MissingAtTheEnd() const {
+    if (announced_ <= read_) return 0;
+    if (counts_frames_ || rate_ <= 0.0) return announced_ - read_;
+    // The count is the duration times a rate, which says nothing of the frames up to the last one.
+    const long until_last = std::lround(last_time_ * rate_) + 1;
+    const long missing = announced_ - until_last;
+    return missing > std::max(kFewFrames, std::lround(kSmallShare * static_cast<double>(announced_))) ? missing : 0;
+  }
+
   cv::VideoCapture capture_;
   TimeStamps stamps_;
-  long announced_ = 0;
-  long read_ = 0;
+  double rate_ = 0.0;           ///< that the container states
+  bool counts_frames_ = false;  ///< whether the container's count is one of frames
+  long announced_ = 0;          ///< the container's count; 0 where unknown
+  long read_ = 0;               ///< frames read or passed over
+  double last_time_ = 0.0;      ///< of the last frame read
+  bool has_begun_ = false;
+  bool is_at_frame_ = false;  ///< whether a frame is decoded, but not yet given
+  double stamp_ = 0.0;        ///< its stamp
+  int failures_ = 0;          ///< in a row before it
 };
 
 class VideoReader::ImageFrames final : public Frames {
@@ -168,6 +230,8 @@ VideoReader::VideoReader(VideoSource source, double image_fps) : source_(std::mo
 }
 
 VideoReader::~VideoReader() = default;
+
+long VideoReader::times_corrected() const { return frames_->times_corrected(); }
 
 bool VideoReader::Read(VideoFrame& frame) {
   if (!frames_->Next(frame.image, frame.time_seconds, skipped_)) return false;

@@ -1,4 +1,4 @@
-// Frames of a video, or of a folder of images, with their time stamps; one frame in memory at a time.
+// Frames of a video, or of a folder of images, with their time stamps; two frames in memory at a time.
 #pragma once
 
 #include <array>
@@ -55,8 +55,11 @@ class VideoReader {
   bool Read(VideoFrame& frame);
 
   /// Frames passed over so far because they were damaged. At the end, also those that the container states and that
-  /// are not there, as in a file that was cut off.
+  /// are not there, as in a file that was cut off. Where the container has only a duration, those are an estimate of
+  /// what its end lacks.
   [[nodiscard]] long skipped() const { return skipped_; }
+  /// Frames so far whose time stamp was not believed (TimeStamps::corrected()).
+  [[nodiscard]] long times_corrected() const;
 
  private:
   class Frames;

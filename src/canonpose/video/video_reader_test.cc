@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::SizeIs;
 
 VideoSource Source(const fs::path& path) { return FindVideos({path.string()}).front(); }
 
@@ -61,6 +62,34 @@ TEST(VideoReader, CountsTheFramesThatAVideoCutOffLacks) {
   EXPECT_GT(read, 2);
   EXPECT_LT(read, 20);
   EXPECT_EQ(reader.skipped(), 20 - read);
+}
+
+TEST(VideoReader, CountsWhatAnMkvCutOffLacksByItsDuration) {
+  const testing::TemporaryFolder folder;
+  testing::WriteNumberedVideo(folder / "a.mkv", 30, 25.0, {320, 240});
+  fs::resize_file(folder / "a.mkv", fs::file_size(folder / "a.mkv") * 3 / 5);
+  VideoReader reader(Source(folder / "a.mkv"));
+  const long read = std::ssize(ReadNumbers(reader));
+  EXPECT_GT(read, 2);
+  EXPECT_LT(read, 25);
+  EXPECT_NEAR(static_cast<double>(reader.skipped()), static_cast<double>(30 - read), 1.0);
+}
+
+TEST(VideoReader, MissesNoFramesWhereOnlyTheStatedRateIsWrong) {
+  const testing::TemporaryFolder folder;
+  testing::WriteNumberedVideo(folder / "a.mkv", 20, 25.0);
+  // 20 ms per frame instead of 40: 50 frames per second, and so 40 frames.
+  std::string bytes = ReadFile(folder / "a.mkv");
+  const std::string duration_of_25 = std::string("\x23\xE3\x83\x84", 4) + std::string("\x02\x62\x5A\x00", 4);
+  const std::size_t place = bytes.find(duration_of_25);
+  ASSERT_NE(place, std::string::npos);
+  bytes.replace(place + 4, 4, std::string("\x01\x31\x2D\x00", 4));
+  WriteFileAtomically(folder / "a.mkv", bytes);
+  VideoReader reader(Source(folder / "a.mkv"));
+  EXPECT_EQ(reader.info().frame_count, 40) << "which the container does not hold";
+  EXPECT_THAT(ReadNumbers(reader), SizeIs(20));
+  EXPECT_EQ(reader.skipped(), 0);
+  EXPECT_EQ(reader.times_corrected(), 0);
 }
 
 TEST(VideoReader, ReadsImages) {
@@ -124,6 +153,7 @@ TEST(VideoReader, ReadsARealRecordingToItsEnd) {
   long frames = 0;
   for (; reader.Read(frame); ++frames) EXPECT_NEAR(frame.time_seconds, static_cast<double>(frames) / 60.0, 2e-4);
   EXPECT_EQ(frames, 100);
+  EXPECT_EQ(reader.times_corrected(), 0) << "though the last two have no stamps";
 }
 
 }  // namespace

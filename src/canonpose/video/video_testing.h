@@ -18,7 +18,7 @@ inline cv::Mat NumberedImage(int number, cv::Size size) { return {size, CV_8UC3,
 /// Which NumberedImage() this is, after lossy compression.
 inline int NumberOf(const cv::Mat& image) { return static_cast<int>(std::lround(cv::mean(image)[1] / 8.0)); }
 
-/// A video of numbered images, as AVI with Motion-JPEG.
+/// A video of numbered images, with Motion-JPEG, in the container that the name's extension says.
 inline void WriteNumberedVideo(const std::filesystem::path& path, int frames, double fps = 25.0,
                                cv::Size size = {64, 48}) {
   cv::VideoWriter writer(path.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), fps, size);

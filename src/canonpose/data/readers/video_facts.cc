@@ -38,7 +38,7 @@ std::optional<VideoFacts> ReadVideoFacts(const std::filesystem::path& folder) {
   const JsonValue root = JsonValue::Load(file);
   // Another program's file of that name is none of ours.
   const std::optional<JsonValue> format = root.Find("format");
-  if (!format || format->json() != "canonpose-video") return std::nullopt;
+  if (!format || format->json() != kVideoFactsFormat) return std::nullopt;
   if (root["version"].Integer() != 1) root["version"].Fail("version 1", "use the program's version that wrote it");
   VideoFacts facts;
   facts.image_size = ImageSizeFrom(root["image_size"]);

@@ -10,6 +10,8 @@
 namespace canonpose {
 
 inline constexpr std::string_view kVideoFactsFile = "video.json";
+/// What its member `format` says.
+inline constexpr std::string_view kVideoFactsFormat = "canonpose-video";
 
 struct VideoFacts {
   std::array<int, 2> image_size{0, 0};  ///< width, height in pixels

@@ -150,14 +150,6 @@ std::optional<Consensus> Agree(const CaptureObservations& capture, const Calibra
   return consensus;
 }
 
-std::vector<int> KnownViews(const std::vector<ViewSigns>& signs) {
-  std::vector<int> known;
-  for (std::size_t v = 0; v < signs.size(); ++v) {
-    if (signs[v].known) known.push_back(static_cast<int>(v));
-  }
-  return known;
-}
-
 class Examination {
  public:
   Examination(const CaptureObservations& original, const Calibrate& calibrate, const Calibrate& calibrate_quickly,
@@ -438,7 +430,12 @@ bool Examination::Run() {
       Correct(*consensus, v);
     }
   }
-  if (HasSameKeypoints(capture_, before)) return false;
+  if (HasSameKeypoints(capture_, before)) {
+    // Nothing was found in the other views that could be corrected; but without them the rest agrees far better.
+    const std::vector<int> others = Others(*consensus, signs);
+    if (others.empty()) return false;
+    for (const int v : others) Drop(v, kNotTheSame);
+  }
   solution_ = calibrate_(capture_);
   return true;
 }

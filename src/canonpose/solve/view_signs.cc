@@ -127,6 +127,14 @@ std::vector<ViewSigns> MeasureSigns(const CaptureObservations& capture, const So
   return signs;
 }
 
+std::vector<int> KnownViews(const std::vector<ViewSigns>& signs) {
+  std::vector<int> known;
+  for (std::size_t v = 0; v < signs.size(); ++v) {
+    if (signs[v].known) known.push_back(static_cast<int>(v));
+  }
+  return known;
+}
+
 bool AnyAlarm(const std::vector<ViewSigns>& signs) {
   if (std::ranges::any_of(signs, &ViewSigns::Alarm)) return true;
   std::vector<double> outliers;

@@ -26,6 +26,9 @@ struct ViewSigns {
 /// the joints that both triangulate.
 std::vector<ViewSigns> MeasureSigns(const CaptureObservations& capture, const Solution& solution);
 
+/// The views that are known, in order.
+std::vector<int> KnownViews(const std::vector<ViewSigns>& signs);
+
 bool AnyAlarm(const std::vector<ViewSigns>& signs);
 
 }  // namespace canonpose

@@ -42,7 +42,8 @@ Eigen::Vector2f BrightPlace(const std::vector<float>& input, int width) {
   for (std::size_t i = 0; i < input.size() / 3; ++i) {
     const float brightness = input[3 * i] + 1.0F;
     const auto x = static_cast<float>(i % static_cast<std::size_t>(width)) + 0.5F;
-    const auto y = static_cast<float>(i / static_cast<std::size_t>(width)) + 0.5F;
+    const std::size_t row = i / static_cast<std::size_t>(width);
+    const auto y = static_cast<float>(row) + 0.5F;
     sum += brightness * Eigen::Vector2f(x, y);
     weight += brightness;
   }

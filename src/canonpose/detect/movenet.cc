@@ -30,7 +30,7 @@ constexpr int kCellsOf32 = 8;
 
 std::vector<std::string> Heads(const GraphModel& model, bool has_boxes) {
   std::vector<std::string> heads(kHeads.begin(), has_boxes ? kHeads.end() : kHeads.end() - 2);
-  for (std::string& head : heads) head = model.NodeLike(kPrefix + head, "/BiasAdd").name;
+  for (std::string& head : heads) head = model.NodeLike(fmt::format("{}{}", kPrefix, head), "/BiasAdd").name;
   return heads;
 }
 

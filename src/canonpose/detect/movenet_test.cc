@@ -75,7 +75,7 @@ TEST(MoveNet, SaysHowToGetTheNetworks) {
 }
 
 /// A network of the right outputs and nothing else: one convolution per head.
-GraphModel ModelOfHeads(const testing::TemporaryFolder& folder, std::map<std::string, int> channels,
+GraphModel ModelOfHeads(const testing::TemporaryFolder& folder, const std::map<std::string, int>& channels,
                         int centre_weights = 64 * 64) {
   const std::string prefix = "StatefulPartitionedCall/";
   testing::GraphFile file;

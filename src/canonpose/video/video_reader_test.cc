@@ -125,7 +125,7 @@ TEST(VideoReader, KnowsNoTimesOfImagesWithoutARate) {
 
 TEST(VideoReader, RefusesFilesThatAreNoVideo) {
   const testing::TemporaryFolder folder;
-  std::ofstream(folder / "empty.mp4");
+  std::ofstream(folder / "empty.mp4").close();
   std::ofstream(folder / "text.mp4") << "hello";
   std::ofstream(folder / "numbers.h5") << "\x89HDF\r\n\x1a\n" << std::string(100, 'x');
   const auto message = [&](const char* name) {

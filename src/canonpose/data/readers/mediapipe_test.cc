@@ -71,7 +71,7 @@ TEST(Mediapipe, TextInAllItsForms) {
   for (const std::string& names : {header("x{0},y{0},z{0},v{0}"), header("x{0},y{0},z{0},v{0}", 1),
                                    header("x_{0},y_{0},z_{0},vis_{0}"), header("{0}_x,{0}_y,{0}_z,{0}_visibility"),
                                    header("landmark_{0}_X,landmark_{0}_Y,landmark_{0}_Z,landmark_{0}_V")}) {
-    ExpectTwoFrames(ReadText("mediapipe", "a.csv", "frame," + names + "\n" + frames), names.substr(0, 40));
+    ExpectTwoFrames(ReadText("mediapipe", "a.csv", fmt::format("frame,{}\n{}", names, frames)), names.substr(0, 40));
     ExpectTwoFrames(
         ReadText("mediapipe", "a.csv", "class," + names + "\nwalk," + Values() + "\nwalk," + Values() + "\n"),
         "rows count the frames");
@@ -184,9 +184,9 @@ TEST(Mediapipe, JsonInAllItsForms) {
         R"({"pose_landmarks":[)" + person + "]}", R"({"poseLandmarks":{"landmark":)" + person + "}}",
         R"({"keypoints":)" + arrays + "}", R"({"pose_world_landmarks":[],"pose_landmarks":)" + person + "}"}) {
     const std::string what = frame.substr(0, 50);
-    ExpectTwoFrames(ReadText("mediapipe", "a.json", "[" + frame + "," + frame + "]"), what);
-    ExpectTwoFrames(ReadText("mediapipe", "a.json", R"({"fps":30,"frames":[)" + frame + "," + frame + "]}"), what);
-    ExpectTwoFrames(ReadText("mediapipe", "a.json", R"({"0":)" + frame + R"(,"1":)" + frame + "}"), what);
+    ExpectTwoFrames(ReadText("mediapipe", "a.json", fmt::format("[{0},{0}]", frame)), what);
+    ExpectTwoFrames(ReadText("mediapipe", "a.json", fmt::format(R"({{"fps":30,"frames":[{0},{0}]}})", frame)), what);
+    ExpectTwoFrames(ReadText("mediapipe", "a.json", fmt::format(R"({{"0":{0},"1":{0}}})", frame)), what);
     const TemporaryFolder folder;
     fs::create_directories(folder / "cam");
     WriteFileAtomically(folder / "cam/frame_0.json", frame);

@@ -124,6 +124,21 @@ struct Consensus {
   std::vector<int> at_half_rate;  ///< of `views`: they agree once they are read at twice their frame rate
 };
 
+/// The candidate with the smallest error, and how far ahead of the next it is.
+struct BestConsensus {
+  std::optional<Consensus> consensus;
+  double second_error = std::numeric_limits<double>::infinity();
+
+  void Consider(Consensus candidate) {
+    if (consensus && candidate.error >= consensus->error) {
+      second_error = std::min(second_error, candidate.error);
+      return;
+    }
+    if (consensus) second_error = consensus->error;
+    consensus = std::move(candidate);
+  }
+};
+
 /// An error of keypoints, given that each joint's three coordinates were fitted to two of each of these views.
 double PerDegreeOfFreedom(double error, std::size_t views) {
   const double keypoints = 2.0 * static_cast<double>(views);
@@ -166,11 +181,13 @@ class Examination {
 
  private:
   [[nodiscard]] std::optional<Consensus> FindConsensus(const std::vector<ViewSigns>& signs) const;
-  [[nodiscard]] std::optional<Consensus> ConsensusWithout(const std::vector<ViewSigns>& signs) const;
+  // `with_all` is the error of all known views together, per degree of freedom.
+  [[nodiscard]] std::optional<Consensus> ConsensusWithout(const std::vector<ViewSigns>& signs, double with_all) const;
   /// All of four views, two of which have half the frame rate of the others. Each two agree with each other, so that
   /// no view alone is found to be wrong, and where two stand opposite each other neither pair gives a solution.
-  [[nodiscard]] std::optional<Consensus> ConsensusWithSlowPair(const std::vector<ViewSigns>& signs) const;
-  [[nodiscard]] std::optional<Consensus> ConsensusOfPairs(const std::vector<ViewSigns>& signs) const;
+  [[nodiscard]] std::optional<Consensus> ConsensusWithSlowPair(const std::vector<ViewSigns>& signs,
+                                                               double with_all) const;
+  [[nodiscard]] std::optional<Consensus> ConsensusOfPairs(const std::vector<ViewSigns>& signs, double with_all) const;
   /// The views that are known but not part of the consensus.
   [[nodiscard]] std::vector<int> Others(const Consensus& consensus, const std::vector<ViewSigns>& signs) const;
   /// Whether a view would fit the motion that the consensus shows if something that can be named were corrected.
@@ -205,26 +222,22 @@ double Examination::FocalOf(const Consensus& consensus, int clip) const {
   return Median(std::move(focals));
 }
 
-std::optional<Consensus> Examination::ConsensusWithout(const std::vector<ViewSigns>& signs) const {
+std::optional<Consensus> Examination::ConsensusWithout(const std::vector<ViewSigns>& signs, double with_all) const {
   const std::vector<int> known = KnownViews(signs);
-  std::optional<Consensus> best;
-  double second = std::numeric_limits<double>::infinity();
+  BestConsensus best;
   for (const int v : known) {
     std::vector<int> views = known;
     std::erase(views, v);
-    std::optional<Consensus> candidate = Agree(capture_, calibrate_quickly_, views);
-    if (!candidate) continue;
-    if (!best || candidate->error < best->error) {
-      if (best) second = best->error;
-      best = std::move(candidate);
-    } else {
-      second = std::min(second, candidate->error);
+    if (std::optional<Consensus> candidate = Agree(capture_, calibrate_quickly_, views)) {
+      best.Consider(*std::move(candidate));
     }
   }
-  const double with_all = PerDegreeOfFreedom(CappedError(capture_, solution_), known.size());
-  if (!best || best->error >= kGainOnAll * with_all || best->error >= kGainOfKnownFault * second) return std::nullopt;
-  if (best->error < kAgreementGain * second || HasKnownFault(*best, Others(*best, signs).front())) return best;
-  return std::nullopt;
+  if (!best.consensus) return std::nullopt;
+  const double error = best.consensus->error;
+  if (error >= kGainOnAll * with_all || error >= kGainOfKnownFault * best.second_error) return std::nullopt;
+  const bool is_clear = error < kAgreementGain * best.second_error;
+  if (!is_clear && !HasKnownFault(*best.consensus, Others(*best.consensus, signs).front())) return std::nullopt;
+  return std::move(best.consensus);
 }
 
 bool Examination::HasKnownFault(const Consensus& consensus, int view) const {
@@ -240,11 +253,8 @@ bool Examination::HasKnownFault(const Consensus& consensus, int view) const {
 }
 
 std::vector<int> Examination::Others(const Consensus& consensus, const std::vector<ViewSigns>& signs) const {
-  std::vector<int> others;
-  for (int v = 0; v < capture_.view_count(); ++v) {
-    const bool agrees = std::ranges::find(consensus.views, v) != consensus.views.end();
-    if (!agrees && signs[static_cast<std::size_t>(v)].known) others.push_back(v);
-  }
+  std::vector<int> others = KnownViews(signs);
+  std::erase_if(others, [&](int v) { return std::ranges::find(consensus.views, v) != consensus.views.end(); });
   return others;
 }
 
@@ -270,13 +280,13 @@ int Examination::CountReadable(const Consensus& consensus, const std::vector<Vie
   return readable;
 }
 
-std::optional<Consensus> Examination::ConsensusWithSlowPair(const std::vector<ViewSigns>& signs) const {
+std::optional<Consensus> Examination::ConsensusWithSlowPair(const std::vector<ViewSigns>& signs,
+                                                            double with_all) const {
   const std::vector<int> known = KnownViews(signs);
   if (known.size() != 4) return std::nullopt;
   ViewCorrection faster;
   faster.reading.time.rate = 2.0;
-  std::optional<Consensus> best;
-  double second = std::numeric_limits<double>::infinity();
+  BestConsensus best;
   for (const int v : known) {
     for (const int w : known) {
       if (w <= v) continue;
@@ -288,18 +298,16 @@ std::optional<Consensus> Examination::ConsensusWithSlowPair(const std::vector<Vi
       if (!candidate) continue;
       candidate->is_as_recorded = true;
       candidate->at_half_rate = {v, w};
-      const bool is_better = !best || candidate->error < best->error;
-      second = std::min(second, is_better ? (best ? best->error : second) : candidate->error);
-      if (is_better) best = std::move(candidate);
+      best.Consider(*std::move(candidate));
     }
   }
-  const double with_all = PerDegreeOfFreedom(CappedError(capture_, solution_), known.size());
-  if (!best || best->error >= kSlowPairGain * with_all || best->error >= kAgreementGain * second) return std::nullopt;
-  return best;
+  if (!best.consensus) return std::nullopt;
+  const double error = best.consensus->error;
+  if (error >= kSlowPairGain * with_all || error >= kAgreementGain * best.second_error) return std::nullopt;
+  return std::move(best.consensus);
 }
 
-std::optional<Consensus> Examination::ConsensusOfPairs(const std::vector<ViewSigns>& signs) const {
-  const double with_all = PerDegreeOfFreedom(CappedError(capture_, solution_), KnownViews(signs).size());
+std::optional<Consensus> Examination::ConsensusOfPairs(const std::vector<ViewSigns>& signs, double with_all) const {
   std::vector<Consensus> candidates;
   int most = 0;
   std::size_t tried = 0;
@@ -331,12 +339,13 @@ std::optional<Consensus> Examination::ConsensusOfPairs(const std::vector<ViewSig
 }
 
 std::optional<Consensus> Examination::FindConsensus(const std::vector<ViewSigns>& signs) const {
-  const auto known = std::ranges::count_if(signs, &ViewSigns::known);
+  const std::size_t known = KnownViews(signs).size();
   if (known < 3) return std::nullopt;
-  std::optional<Consensus> consensus = ConsensusWithout(signs);
-  std::optional<Consensus> with_slow_pair = ConsensusWithSlowPair(signs);
+  const double with_all = PerDegreeOfFreedom(CappedError(capture_, solution_), known);
+  std::optional<Consensus> consensus = ConsensusWithout(signs, with_all);
+  std::optional<Consensus> with_slow_pair = ConsensusWithSlowPair(signs, with_all);
   if (with_slow_pair && (!consensus || with_slow_pair->error < consensus->error)) consensus = std::move(with_slow_pair);
-  if (!consensus && known > 3) consensus = ConsensusOfPairs(signs);
+  if (!consensus && known > 3) consensus = ConsensusOfPairs(signs, with_all);
   return consensus;
 }
 

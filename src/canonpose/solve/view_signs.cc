@@ -39,7 +39,7 @@ double OwnShare(const RobustPoint& joint, const Eigen::Matrix3d& rotation, const
 /// What a view's keypoints show in one frame.
 struct FrameSigns {
   std::vector<double> errors;
-  Eigen::Vector2d displacement = Eigen::Vector2d::Zero();  ///< mean of keypoints less joints, as far as they are known
+  Eigen::Vector2d displacement = Eigen::Vector2d::Zero();  ///< mean of joints less keypoints, as far as they are known
   std::int64_t outliers = 0;
 };
 

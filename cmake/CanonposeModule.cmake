@@ -5,6 +5,8 @@
 # TORCH_TESTS are those that include LibTorch's headers, which take 20 s to compile: they share a precompiled header, and in builds
 # with CMAKE_UNITY_BUILD (preset release) few compiler calls.
 
+include(TestUnits)
+
 add_library(canonpose_options INTERFACE)
 target_link_libraries(canonpose_options INTERFACE canonpose_openblas)
 target_include_directories(canonpose_options INTERFACE ${PROJECT_SOURCE_DIR}/src)
@@ -93,13 +95,16 @@ function(canonpose_share_test_headers test)
   target_precompile_headers(${test} REUSE_FROM canonpose_test_headers)
 endfunction()
 
-# canonpose_test(NAME SOURCES ... [TORCH_SOURCES ...] LINKS ...): one GoogleTest program, one ctest entry. CANONPOSE_TESTDATA is the
+# canonpose_test(NAME SOURCES ... [TORCH_SOURCES ...] LINKS ...): one GoogleTest program. CANONPOSE_TESTDATA is the
 # project's own small inputs; CANONPOSE_SHARED the data beside the checkout, which may be absent.
 function(canonpose_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;TORCH_SOURCES;LINKS" ${ARGN})
+  if(CMAKE_UNITY_BUILD)
+    canonpose_test_units(ARG_SOURCES ${name} ${ARG_SOURCES})
+    canonpose_test_units(ARG_TORCH_SOURCES ${name}_torch ${ARG_TORCH_SOURCES})
+  endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE canonpose_options ${ARG_LINKS} GTest::gmock_main)
-  # Tests may use the same name for their own fixtures.
   set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
   if(CMAKE_UNITY_BUILD)
     canonpose_share_test_headers(${name})
@@ -107,6 +112,7 @@ function(canonpose_test name)
   set(targets ${name})
   if(ARG_TORCH_SOURCES)
     canonpose_torch_objects(${name}_torch SOURCES ${ARG_TORCH_SOURCES} LINKS ${ARG_LINKS} GTest::gmock)
+    set_target_properties(${name}_torch PROPERTIES UNITY_BUILD OFF)
     target_sources(${name} PRIVATE $<TARGET_OBJECTS:${name}_torch>)
     target_link_libraries(${name} PRIVATE canonpose_torch)
     list(APPEND targets ${name}_torch)
@@ -117,16 +123,27 @@ function(canonpose_test name)
     target_compile_definitions(${target} PRIVATE CANONPOSE_TESTDATA="${PROJECT_SOURCE_DIR}/testdata"
                                                  CANONPOSE_SHARED="${PROJECT_SOURCE_DIR}/../shared")
   endforeach()
-  add_test(NAME ${name} COMMAND ${name})
   set_property(GLOBAL APPEND PROPERTY CANONPOSE_PROGRAMS $<TARGET_FILE:${name}>)
-  # The longest start first, so that none of them runs alone at the end.
+  # The longest start first, and those that take longer than the others together run in parts, so that no processor waits at the end.
   set(seconds 10)
+  set(parts 1)
   if(name STREQUAL "cli_test")
-    set(seconds 200)
+    set(seconds 100)
+    set(parts 3)
   elseif(name STREQUAL "solve_test")
-    set(seconds 80)
+    set(seconds 100)
+    set(parts 3)
   elseif(name STREQUAL "train_test")
     set(seconds 40)
   endif()
-  set_tests_properties(${name} PROPERTIES TIMEOUT $<IF:$<BOOL:${CANONPOSE_SANITIZE}>,3600,900> COST ${seconds})
+  foreach(part RANGE 1 ${parts})
+    set(test ${name})
+    if(parts GREATER 1)
+      set(test ${name}_part${part})
+    endif()
+    math(EXPR index "${part} - 1")
+    add_test(NAME ${test} COMMAND ${name})
+    set_tests_properties(${test} PROPERTIES ENVIRONMENT "GTEST_TOTAL_SHARDS=${parts};GTEST_SHARD_INDEX=${index}"
+                                            TIMEOUT $<IF:$<BOOL:${CANONPOSE_SANITIZE}>,3600,900> COST ${seconds})
+  endforeach()
 endfunction()

@@ -84,7 +84,7 @@ int Main(int argc, char** argv) {
       "Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 the computation failed, 130 interrupted (143 by SIGTERM).\n"
       "canonpose help COMMAND shows the options of a command.");
 
-  const std::shared_ptr<const void> one_thread = UseOneThread();  // training has its own
+  Terminal terminal([&app](const std::string& message) { return SpellOptions(message, app, IsTrainingOption); });
   AddDetectCommand(app);
   AddImportCommand(app);
   AddSimulateCommand(app);
@@ -98,9 +98,10 @@ int Main(int argc, char** argv) {
   AddInfoCommand(app);
   AddHelpCommands(app);
 
-  Terminal terminal([&app](const std::string& message) { return SpellOptions(message, app, IsTrainingOption); });
   const CallbackScope callbacks(terminal.MakeCallbacks());
   try {
+    BeginWithNetworks(argc, argv);
+    const std::shared_ptr<const void> one_thread = UseOneThread();  // training has its own
     std::vector<std::string> arguments = WithoutHelpWords({argv + std::min(argc, 1), argv + argc});
     RequireCommand(app, arguments);
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them

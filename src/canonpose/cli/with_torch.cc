@@ -7,10 +7,10 @@
 #include "canonpose/model/pose_morph.h"
 #include "canonpose/model/runtime.h"
 #include "canonpose/pipeline/model_poses.h"
-#include "canonpose/train/checkpoint.h"
-#include "canonpose/train/options.h"
 
 namespace canonpose {
+
+void BeginWithNetworks(int, char**) {}
 
 std::shared_ptr<const void> UseOneThread() { return std::make_shared<const ThreadScope>(0); }
 
@@ -19,13 +19,6 @@ std::string DescribeLinearAlgebra() {
   return nlohmann::json{
       {"library", LinearAlgebraLibrary()}, {"gflops", speed.gflops}, {"openblas_gflops", speed.openblas_gflops}}
       .dump();
-}
-
-bool IsTrainingOption(const std::string& name) { return TrainOptions::Has(name); }
-
-std::optional<ModelInfo> CheckpointInfo(const std::filesystem::path& path) {
-  if (!IsCheckpoint(path)) return std::nullopt;
-  return ReadCheckpoint(path).info;
 }
 
 void ApplyMorph(const std::filesystem::path& model, Dataset& dataset, const std::string& file) {

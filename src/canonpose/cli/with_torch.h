@@ -1,5 +1,6 @@
-// What the commands do with networks. In a build without LibTorch, without_torch.cc defines the same functions, which
-// report that networks are missing.
+// What the commands do with networks. There are three programs: `canonpose-networks` has all commands (with_torch.cc);
+// `canonpose` has those without networks, starts at once, and becomes the former for the others (light_program.cc); and
+// in a build without LibTorch, `canonpose` reports that networks are missing (without_torch.cc).
 #pragma once
 
 #include <filesystem>
@@ -12,6 +13,10 @@
 #include "canonpose/pipeline/evaluate_datasets.h"
 
 namespace canonpose {
+
+/// To be called first, with what main() got: where these arguments ask for networks that are in another program, that
+/// one takes this one's place. Throws Error(kBadInput) where there is none.
+void BeginWithNetworks(int argc, char** argv);
 
 /// Networks are computed by one thread while the result lives, except in training, which chooses for itself.
 std::shared_ptr<const void> UseOneThread();

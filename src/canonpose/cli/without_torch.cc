@@ -34,6 +34,8 @@ void AddTrainMorphCommand(CLI::App& app) {
 
 void AddLiftCommand(CLI::App& app) { AddAbsentCommand(app, "lift", "Lift the 2D poses of a single camera to 3D"); }
 
+void BeginWithNetworks(int, char**) {}
+
 std::shared_ptr<const void> UseOneThread() { return nullptr; }
 
 std::string DescribeLinearAlgebra() { return "null"; }

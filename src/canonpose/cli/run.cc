@@ -113,7 +113,8 @@ void AddOptionOf(const CLI::App& other, const CLI::Option& option, const std::st
       ->group(group);
 }
 
-/// Offers the options in the table of `run` that this build's commands have. Those of several commands are offered once.
+/// Offers the options in the table of `run` that this build's commands have. Those of several commands are offered
+/// once.
 void AddOptionsOfSteps(CLI::App& command, const std::shared_ptr<RunOptions>& options) {
   CLI::App app;
   AddCommandsOfSteps(app);
@@ -160,7 +161,8 @@ void AddRunCommand(CLI::App& app) {
   command->add_option("--format", options->format, "Format of keypoints (default: recognised by their content)")
       ->type_name("FORMAT");
   AddOptionsOfSteps(*command, options);
-  command->footer("The options of each step are explained by canonpose help STEP; commands.sh in the folder has the steps.");
+  command->footer(
+      "The options of each step are explained by canonpose help STEP; commands.sh in the folder has the steps.");
   command->callback([options] { RunRun(*options); });
 }
 

@@ -33,8 +33,9 @@ using testing::TemporaryFolder;
 const fs::path& Recording() {
   static const TemporaryFolder folder;
   static const fs::path recording = [] {
-    const Outcome made = Execute({"simulate", "-o", folder / "truth.h5", "--subjects", "1", "--clips", "1", "--activities",
-                                  "dance", "--seconds", "4", "--fps", "15", "--openpose", folder / "clips"});
+    const Outcome made =
+        Execute({"simulate", "-o", folder / "truth.h5", "--subjects", "1", "--clips", "1", "--activities", "dance",
+                 "--seconds", "4", "--fps", "15", "--openpose", folder / "clips"});
     EXPECT_EQ(made.exit_code, 0) << made.errors;
     fs::path clip;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder / "clips")) clip = entry.path();
@@ -45,8 +46,14 @@ const fs::path& Recording() {
 
 /// A run with a network that learns next to nothing.
 std::vector<std::string> ShortRun(const fs::path& output, const std::string& epochs = "1") {
-  return {"run",      Recording().string(), "-o",  output.string(),       "--image-size", "1000x1000",      "--fps", "15",
-          "--height", "1.7",                "--set", "min_steps=0", "--width",      "16",  "--epochs", epochs};
+  return {"run",          Recording().string(),
+          "-o",           output.string(),
+          "--image-size", "1000x1000",
+          "--fps",        "15",
+          "--height",     "1.7",
+          "--set",        "min_steps=0",
+          "--width",      "16",
+          "--epochs",     epochs};
 }
 
 /// The results, and their bytes.
@@ -76,34 +83,35 @@ TEST(ProgramRun, DoesEverythingAndItsLogDoesItAgain) {
   EXPECT_THAT(first.errors, Not(HasSubstr("next: canonpose"))) << "advice for those who call the commands one by one";
 
   fs::create_directories(folder / "again");
-  const std::string script = fmt::format("cd '{}' && sh -e '{}' >out 2>err", (folder / "again").string(),
-                                         (output / "commands.sh").string());
+  const std::string script =
+      fmt::format("cd '{}' && sh -e '{}' >out 2>err", (folder / "again").string(), (output / "commands.sh").string());
   const int status = std::system(script.c_str());
   EXPECT_EQ(WEXITSTATUS(status), first.exit_code) << ReadFile(folder / "again/err");
   ExpectSameResults(folder / "again", results);
 
   const Outcome second = Execute(ShortRun(output));
-  EXPECT_THAT(second.errors, AllOf(HasSubstr("Finding cameras and 3D poses: done before"), Not(HasSubstr("frames of"))));
+  EXPECT_THAT(second.errors,
+              AllOf(HasSubstr("Finding cameras and 3D poses: done before"), Not(HasSubstr("frames of"))));
   ExpectSameResults(output, results);
 }
 
 TEST(ProgramRun, KilledItGoesOnToTheSameBits) {
-  const TemporaryFolder folder;
-  const Outcome whole = Execute(ShortRun(folder / "whole", "3"));
+  const TemporaryFolder folder;  // the recording is named after the last part
+  const Outcome whole = Execute(ShortRun(folder / "whole/run", "3"));
   ASSERT_TRUE(HasTrained(whole)) << whole.errors;
-  for (const char* until : {"data.h5", "page.html", "model/metrics.jsonl"}) {
-    const pid_t child = testing::Start(ShortRun(folder / "killed", "3"), folder / "out", folder / "err");
-    for (int i = 0; i < 6000 && !fs::exists(folder / "killed" / until); ++i) {
+  for (const char* until : {"data.h5", "model/metrics.jsonl"}) {
+    const pid_t child = testing::Start(ShortRun(folder / "killed/run", "3"), folder / "out", folder / "err");
+    for (int i = 0; i < 6000 && !fs::exists(folder / "killed/run" / until); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     kill(child, SIGKILL);
     testing::Wait(child);
-    EXPECT_TRUE(fs::exists(folder / "killed" / until)) << until << ReadFile(folder / "err");
+    EXPECT_TRUE(fs::exists(folder / "killed/run" / until)) << until << ReadFile(folder / "err");
   }
-  const Outcome last = Execute(ShortRun(folder / "killed", "3"));
+  const Outcome last = Execute(ShortRun(folder / "killed/run", "3"));
   EXPECT_EQ(last.exit_code, whole.exit_code) << last.errors;
   EXPECT_THAT(last.errors, HasSubstr("Making the page: done before"));
-  ExpectSameResults(folder / "killed", ResultsIn(folder / "whole"));
+  ExpectSameResults(folder / "killed/run", ResultsIn(folder / "whole/run"));
 }
 
 TEST(ProgramRun, StoppedBySignalItSaysHowToGoOn) {
@@ -172,10 +180,8 @@ TEST(ProgramRun, MakesAPageOfVideos) {
     GTEST_SKIP() << ModelFolder() << " does not have the detector; scripts/get-detector downloads it";
   }
   const TemporaryFolder folder;
-  const std::vector<std::string> words{"run",        testing::Shared("data/videos/one").string(),
-                                       "-o",         folder / "one",
-                                       "--no-train", "--export",
-                                       "csv"};
+  const std::vector<std::string> words{
+      "run", testing::Shared("data/videos/one").string(), "-o", folder / "one", "--no-train", "--export", "csv"};
   const Outcome outcome = Execute(words);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_THAT(outcome.output, HasSubstr("one: one person from 4 cameras, 100 frames at 60 per second"));

@@ -17,8 +17,9 @@ std::string Count(std::size_t count, const char* one, const char* many) {
 }
 
 std::string DescribeRecording(const RunReport& report) {
-  std::string text = fmt::format("{}: {} from {}, {} frames", report.name, Count(report.people.size(), "person", "people"),
-                                 Count(report.used_cameras.size(), "camera", "cameras"), report.frames);
+  std::string text =
+      fmt::format("{}: {} from {}, {} frames", report.name, Count(report.people.size(), "person", "people"),
+                  Count(report.used_cameras.size(), "camera", "cameras"), report.frames);
   if (report.fps > 0.0) text += fmt::format(" at {:.5g} per second", report.fps);
   if (report.used_cameras.size() > 1) text += fmt::format(" ({})", JoinWithAnd(report.used_cameras));
   return text + "\n";
@@ -29,13 +30,14 @@ std::string DescribeTrust(const RunReport& report) {
   for (const std::string& camera : report.unused_cameras) text += fmt::format("  not used: {}\n", camera);
   for (const std::string& trust : report.trust) text += fmt::format("  {}\n", trust);
   if (report.solved_error_mm) {
-    text += fmt::format("  Against the calibration: {:.1f} mm per joint from all cameras together{} (N-MPJPE).\n",
-                        *report.solved_error_mm,
-                        report.model_error_mm ? fmt::format(", {:.1f} mm from single ones", *report.model_error_mm) : "");
+    text +=
+        fmt::format("  Against the calibration: {:.1f} mm per joint from all cameras together{} (N-MPJPE).\n",
+                    *report.solved_error_mm,
+                    report.model_error_mm ? fmt::format(", {:.1f} mm from single ones", *report.model_error_mm) : "");
   }
-  text += report.in_millimetres
-              ? "  Lengths are in millimetres.\n"
-              : "  Lengths are not in millimetres, because cameras alone cannot see how large somebody is: give --height.\n";
+  text += report.in_millimetres ? "  Lengths are in millimetres.\n"
+                                : "  Lengths are not in millimetres, because cameras alone cannot see how large "
+                                  "somebody is: give --height.\n";
   return text;
 }
 
@@ -68,8 +70,9 @@ std::string DescribeFiles(const RunReport& report, const fs::path& folder) {
 std::string DescribeNext(const RunReport& report, const std::string& program, const fs::path& folder,
                          const std::vector<std::string>& heights) {
   if (report.model.empty()) {
-    return fmt::format("\nNext: the same command without --no-train also trains a network, for 3D poses from a single "
-                       "camera.\n");
+    return fmt::format(
+        "\nNext: the same command without --no-train also trains a network, for 3D poses from a single "
+        "camera.\n");
   }
   std::string text = "\nNext: 3D poses of a new video of similar movements, filmed by any single camera\n";
   std::vector<std::string> lift{program, "lift", report.model.string()};

@@ -8,8 +8,8 @@
 namespace canonpose {
 
 /// Of the contents of a file, or of all files in a folder and below it with their names; hidden files and locks do not
-/// count. Files of more than 256 MiB are known by their size, beginning, end and time of modification. Empty where there
-/// is nothing. Throws Error(kBadInput) where something cannot be read.
+/// count. Files of more than 256 MiB are known by their size, beginning, end and time of modification. Empty where
+/// there is nothing. Throws Error(kBadInput) where something cannot be read.
 std::string FingerprintOfPath(const std::filesystem::path& path);
 
 /// The same, each path being read once, until it is said to have changed.

@@ -21,8 +21,9 @@ struct RecordingInputs {
 };
 
 /// The cameras that `paths` stand for. `format` is that of keypoints where it is known; empty: a path whose content is
-/// that of a detector's files holds keypoints, unless there are videos beside them; anything else is a video. Throws Error(kBadInput) where a path is neither,
-/// the paths are of both kinds, or there are fewer than two cameras, and Error(kInvalidArgument) for an unknown format.
+/// that of a detector's files holds keypoints, unless there are videos beside them; anything else is a video. Throws
+/// Error(kBadInput) where a path is neither, the paths are of both kinds, or there are fewer than two cameras, and
+/// Error(kInvalidArgument) for an unknown format.
 RecordingInputs FindRecording(const std::vector<std::string>& paths, const std::string& format);
 
 /// The videos that `paths` stand for; a build without LibTorch has no detector and throws Error(kInvalidArgument).

@@ -40,7 +40,8 @@ TEST(RecordingInputs, KeypointsAreRecognised) {
   EXPECT_FALSE(together.are_videos);
   EXPECT_EQ(together.format, "openpose");
   EXPECT_THAT(NamesOf(together), ::testing::ElementsAre("cam1", "cam2"));
-  const RecordingInputs one_by_one = FindRecording({(folder / "rec/cam2").string(), (folder / "rec/cam1").string()}, "");
+  const RecordingInputs one_by_one =
+      FindRecording({(folder / "rec/cam2").string(), (folder / "rec/cam1").string()}, "");
   EXPECT_THAT(NamesOf(one_by_one), ::testing::ElementsAre("cam2", "cam1"));
 }
 

@@ -6,7 +6,8 @@ namespace canonpose {
 
 RecordingInputs FindRecordedVideos(const std::vector<std::string>& paths) {
   ThrowInvalidArgument(
-      "{}: videos need networks, and this canonpose was built without LibTorch; give a detector's keypoints, or build it "
+      "{}: videos need networks, and this canonpose was built without LibTorch; give a detector's keypoints, or build "
+      "it "
       "with CANONPOSE_WITH_TORCH=ON",
       paths.front());
 }

@@ -81,7 +81,8 @@ TEST_F(RunOfVideos, AnotherVideoIsDetectedAgainAlone) {
   commands_.Run(options_);
   std::ofstream(folder_ / "b.mp4") << "another take";
   commands_.Run(options_);
-  EXPECT_THAT(commands_.keypoints_there_before_detect, ElementsAre("a")) << "the other is removed for `detect` to do it";
+  EXPECT_THAT(commands_.keypoints_there_before_detect, ElementsAre("a"))
+      << "the other is removed for `detect` to do it";
 }
 
 TEST_F(RunOfVideos, OtherOptionsOfTheDetectorAreForAll) {
@@ -103,9 +104,11 @@ TEST_F(RunOfVideos, AVideoLessIsNoCameraAnyMore) {
 
 TEST_F(RunOfVideos, OptionsForKeypointsAreRefused) {
   options_.fields = {{"layout", "coco-17"}};
-  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { commands_.Run(options_); }), HasSubstr("`layout` is for keypoints"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { commands_.Run(options_); }),
+              HasSubstr("`layout` is for keypoints"));
   options_.fields = {{"fps", "50"}};
-  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { commands_.Run(options_); }), HasSubstr("videos know their rate"));
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { commands_.Run(options_); }),
+              HasSubstr("videos know their rate"));
   EXPECT_FALSE(fs::exists(options_.output));
 }
 

@@ -103,7 +103,8 @@ void RequireOptionsFor(const RunOptions& options, const RecordingInputs& inputs)
     if (std::ranges::any_of(table, [&](const RunOption& row) { return row.field == field && IsFor(row, inputs); })) {
       continue;
     }
-    ThrowInvalidArgument("`{}` is for {}", field, inputs.are_videos ? "keypoints, and videos are given" : "videos, and keypoints are given");
+    ThrowInvalidArgument("`{}` is for {}", field,
+                         inputs.are_videos ? "keypoints, and videos are given" : "videos, and keypoints are given");
   }
 }
 

@@ -29,7 +29,8 @@ TEST(RunOptions, TableHasEachRowOnce) {
 
 TEST(RunOptions, EachCommandGetsItsOwnInTheOrderGiven) {
   RunOptions options;
-  options.fields = {{"fps", "50"}, {"threads", "2"}, {"image_size", "a=10x20"}, {"image_size", "30x40"}, {"moving", ""}};
+  options.fields = {
+      {"fps", "50"}, {"threads", "2"}, {"image_size", "a=10x20"}, {"image_size", "30x40"}, {"moving", ""}};
   const RecordingInputs keypoints{false, false, "openpose", {}};
   StepCommand import{"import", {}, {}};
   AddFields(options, keypoints, import);

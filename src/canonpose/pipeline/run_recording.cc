@@ -54,8 +54,8 @@ void RequireFolderForRuns(const fs::path& folder) {
   for (const fs::directory_entry& entry : entries) {
     const std::string name = entry.path().filename().string();
     if (name == "lock" || name.starts_with(".new-")) continue;  // of a run that was killed at once
-    ThrowBadInput({folder.string(), "", "a new or empty folder, or the results of an earlier run", "other files, such as " + name,
-                   "choose another output folder"});
+    ThrowBadInput({folder.string(), "", "a new or empty folder, or the results of an earlier run",
+                   "other files, such as " + name, "choose another output folder"});
   }
 }
 
@@ -161,14 +161,19 @@ class RecordingRun {
     SolveAndShow();
     Export();
     const bool compares = data.HasCalibration();
-    if (compares) Evaluate("evaluate-solved", "Comparing the solution with the calibration", {kSolved}, kEvaluationOfSolved);
+    if (compares)
+      Evaluate("evaluate-solved", "Comparing the solution with the calibration", {kSolved}, kEvaluationOfSolved);
     if (options_.trains) {
-      Step train{"train", "Training a network for single cameras (the page can be looked at meanwhile)", TrainCommand(options_, inputs_), {kModelFile}};
+      Step train{"train",
+                 "Training a network for single cameras (the page can be looked at meanwhile)",
+                 TrainCommand(options_, inputs_),
+                 {kModelFile}};
       train.without_effect = FieldsWithoutEffect("train");
       train.resumes_by_field = true;
       chain_.Do(train);
       report_.model = folder_ / kModel;
-      if (compares) Evaluate("evaluate-model", "Comparing the network with the calibration", {kModel, kSolved}, kEvaluationOfModel);
+      if (compares)
+        Evaluate("evaluate-model", "Comparing the network with the calibration", {kModel, kSolved}, kEvaluationOfModel);
     }
     Summarise(data);
     return std::move(report_);
@@ -176,7 +181,10 @@ class RecordingRun {
 
  private:
   void DetectAll() {
-    Step step{"detect", fmt::format("Finding people in {} videos", inputs_.cameras.size()), DetectCommand(options_, inputs_), {kKeypoints}};
+    Step step{"detect",
+              fmt::format("Finding people in {} videos", inputs_.cameras.size()),
+              DetectCommand(options_, inputs_),
+              {kKeypoints}};
     step.without_effect = FieldsWithoutEffect("detect");
     std::string settings;
     for (const auto& [field, value] : step.command.fields) {
@@ -218,12 +226,14 @@ class RecordingRun {
 
   /// Formats that state a frame rate cannot be written without one.
   void RequireFrameRateFor(const Dataset& data) {
-    const bool has_rate = std::ranges::all_of(data.sequences, [](const Sequence& sequence) { return sequence.fps > 0.0; });
+    const bool has_rate =
+        std::ranges::all_of(data.sequences, [](const Sequence& sequence) { return sequence.fps > 0.0; });
     for (const std::string& format : options_.formats) {
       if (has_rate || !FindSceneFormat("poses." + format)->needs_frame_rate) {
         formats_.push_back(format);
       } else if (options_.formats_are_chosen) {
-        ThrowInvalidArgument("`export`: {} files state a frame rate, which the keypoints do not have: give `fps`", format);
+        ThrowInvalidArgument("`export`: {} files state a frame rate, which the keypoints do not have: give `fps`",
+                             format);
       } else {
         report_.formats_left_out.push_back(format);
       }

@@ -23,11 +23,11 @@ struct RunReport {
   double fps = 0.0;  ///< 0 where unknown
   bool in_millimetres = false;
   bool are_videos = false;
-  std::string format;                     ///< of keypoints
+  std::string format;  ///< of keypoints
   std::vector<std::filesystem::path> exports;
   std::vector<std::string> formats_left_out;  ///< since the frame rate is unknown
   std::filesystem::path page;
-  std::filesystem::path model;           ///< empty where none was trained
+  std::filesystem::path model;            ///< empty where none was trained
   std::optional<double> solved_error_mm;  ///< N-MPJPE against the calibration's triangulation, or the truth
   std::optional<double> model_error_mm;   ///< the same of single cameras
   double seconds_to_page = 0.0;
@@ -45,8 +45,8 @@ struct RunReport {
 ///   train      model/                     unless told not to
 ///   evaluate   evaluation-model.json      where there are both
 ///
-/// commands.sh holds the commands, and run.json what is done (StepChain): the same call again does what is not done yet,
-/// or what follows from something that was changed since. The page comes before what takes long.
+/// commands.sh holds the commands, and run.json what is done (StepChain): the same call again does what is not done
+/// yet, or what follows from something that was changed since. The page comes before what takes long.
 ///
 /// Throws Error(kBadInput) where the inputs are none, one camera is missing in the calibration, the folder holds
 /// something else than an earlier run or another run is at work there, Error(kInvalidArgument) for options that make no

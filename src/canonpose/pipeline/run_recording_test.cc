@@ -41,7 +41,8 @@ class RunTest : public ::testing::Test {
 
   void WriteCamera(const std::string& name, const std::string& version) const {
     fs::create_directories(folder_ / "rec" / name);
-    std::ofstream(folder_ / "rec" / name / "frame_0_keypoints.json") << R"({"version": )" << version << R"(, "people": []})";
+    std::ofstream(folder_ / "rec" / name / "frame_0_keypoints.json")
+        << R"({"version": )" << version << R"(, "people": []})";
   }
 
   std::string Refusal(ErrorKind kind) {

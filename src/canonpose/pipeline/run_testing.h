@@ -18,16 +18,17 @@
 #include "canonpose/data/dataset.h"
 #include "canonpose/pipeline/pipeline_testing.h"
 #include "canonpose/pipeline/run_recording.h"
-#include "canonpose/solve/solver.h"
 
 namespace canonpose::testing {
 
-/// A small capture, solved.
+/// A small capture with its true poses and cameras as the solution.
 inline const Dataset& SolvedCapture() {
   static const Dataset solved = [] {
     Dataset dataset = SmallCapture("ring");
-    const StartPoses start = NoisyTruth(dataset);
-    Solve(dataset, start, {});
+    for (CameraView& view : dataset.sequences.front().cameras) {
+      view.solved = view.truth;
+      view.solved_calibration = view.calibration;
+    }
     return dataset;
   }();
   return solved;
@@ -44,8 +45,7 @@ class PreparedCommands {
   }
 
   [[nodiscard]] StepHooks Hooks() {
-    return {[this](const ResolvedCommand& command) { Execute(command); },
-            [](const ResolvedCommand&) {},
+    return {[this](const ResolvedCommand& command) { Execute(command); }, [](const ResolvedCommand&) {},
             [](const ResolvedCommand& command) { return command.name; }};
   }
 

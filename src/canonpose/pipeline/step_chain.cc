@@ -25,9 +25,10 @@ constexpr const char* kCommandsName = "commands.sh";
 
 /// Where a step failed, and that nothing is lost.
 [[noreturn]] void ThrowFailedStep(const Step& step, const Error& error) {
-  throw Error(error.kind(), fmt::format("{} (in the step {}; the steps before it are kept, and the same command goes on "
-                                        "from there)",
-                                        error.what(), step.name));
+  throw Error(error.kind(),
+              fmt::format("{} (in the step {}; the steps before it are kept, and the same command goes on "
+                          "from there)",
+                          error.what(), step.name));
 }
 
 }  // namespace

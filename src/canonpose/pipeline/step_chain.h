@@ -26,8 +26,8 @@ struct Step {
   /// Whether its field `resume` continues a run that was interrupted, and `overwrite` replaces another.
   bool resumes_by_field = false;
   /// Parts of the output that the command itself leaves alone where they are there, such as the keypoints of each of
-  /// several videos: what they follow from, by path relative to the folder. Those that follow from something else now are
-  /// removed before.
+  /// several videos: what they follow from, by path relative to the folder. Those that follow from something else now
+  /// are removed before.
   std::map<std::string, std::string> parts{};
 };
 

@@ -50,8 +50,8 @@ class Joiner {
     return executed_;
   }
 
-  std::optional<Error> error;                ///< thrown by the next command
-  std::vector<std::string> also_write;       ///< more files, below the folder
+  std::optional<Error> error;           ///< thrown by the next command
+  std::vector<std::string> also_write;  ///< more files, below the folder
   std::vector<std::string> outputs_of_last_;
 
  private:
@@ -222,7 +222,8 @@ TEST_F(StepChainTest, WritesTheCommandsOfAllSteps) {
   fs::create_directories(output_);
   joiner_.Do(Chain(input_));
   const auto lines = [&] {
-    return fmt::format("\nfirst {} output=first.txt mark=1\nsecond first.txt output=second.txt mark=2\n", input_.string());
+    return fmt::format("\nfirst {} output=first.txt mark=1\nsecond first.txt output=second.txt mark=2\n",
+                       input_.string());
   };
   EXPECT_THAT(ReadFile(output_ / "commands.sh"), HasSubstr(lines()));
   joiner_.Do(Chain(input_));

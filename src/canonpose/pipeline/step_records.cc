@@ -61,7 +61,8 @@ StepRecords ReadStepRecords(const fs::path& folder) {
 void WriteStepRecords(const fs::path& folder, const StepRecords& records) {
   Json steps = Json::object();
   for (const auto& [name, record] : records.steps) {
-    steps[name] = {{"key", record.key}, {"is_done", record.is_done}, {"outputs", record.outputs}, {"parts", record.parts}};
+    steps[name] = {
+        {"key", record.key}, {"is_done", record.is_done}, {"outputs", record.outputs}, {"parts", record.parts}};
   }
   const Json json{{"format", kFormat}, {"version", kVersion}, {"name", records.name}, {"steps", steps}};
   WriteFileAtomically(folder / kStepRecordsName, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");

@@ -63,11 +63,18 @@ void ExecuteCommand(const ResolvedCommand& command) {
   Parse(app, command);
 }
 
+/// Thrown when a command line is parsed and found to be right, before the command is executed.
+struct IsParsed {};
+
 void CheckCommand(const ResolvedCommand& command) {
   CLI::App app;
   AddCommandsOfSteps(app);
-  app.get_subcommand(command.name)->callback({});
-  Parse(app, command);
+  // The command's own callback stays: what the options are parsed into lives in it.
+  app.get_subcommand(command.name)->parse_complete_callback([] { throw IsParsed(); });
+  try {
+    Parse(app, command);
+  } catch (const IsParsed&) {  // as it should be
+  }
   if (command.name == "train") CheckTrainingOptions(command.fields);
 }
 

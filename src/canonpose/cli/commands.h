@@ -8,6 +8,12 @@
 
 namespace canonpose {
 
+/// All commands, in the order of the help.
+void AddCommands(CLI::App& app);
+/// Those that `run` may execute: all but itself.
+void AddCommandsOfSteps(CLI::App& app);
+
+void AddRunCommand(CLI::App& app);
 void AddDetectCommand(CLI::App& app);
 void AddImportCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);

@@ -63,6 +63,7 @@ void BeginWithNetworks(int argc, char** argv) {
 void AddDetectCommand(CLI::App&) {}
 void AddEvaluateCommand(CLI::App&) {}
 void AddLiftCommand(CLI::App&) {}
+void AddRunCommand(CLI::App&) {}
 void AddSolveCommand(CLI::App&) {}
 void AddTrainCommand(CLI::App&) {}
 void AddTrainMorphCommand(CLI::App&) {}

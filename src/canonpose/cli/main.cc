@@ -85,17 +85,7 @@ int Main(int argc, char** argv) {
       "canonpose help COMMAND shows the options of a command.");
 
   Terminal terminal([&app](const std::string& message) { return SpellOptions(message, app, IsTrainingOption); });
-  AddDetectCommand(app);
-  AddImportCommand(app);
-  AddSimulateCommand(app);
-  AddTrainCommand(app);
-  AddTrainMorphCommand(app);
-  AddEvaluateCommand(app);
-  AddLiftCommand(app);
-  AddSolveCommand(app);
-  AddExportCommand(app);
-  AddViewCommand(app);
-  AddInfoCommand(app);
+  AddCommands(app);
   AddHelpCommands(app);
 
   const CallbackScope callbacks(terminal.MakeCallbacks());

@@ -7,6 +7,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "canonpose/data/dataset.h"
 #include "canonpose/model/model_file.h"
@@ -26,6 +28,10 @@ std::string DescribeLinearAlgebra();
 
 /// Whether training has an option of this name.
 bool IsTrainingOption(const std::string& name);
+
+/// Throws Error(kInvalidArgument) where options of `train`, by field, are unknown or have no such value. Those given by
+/// "set" are NAME=VALUE.
+void CheckTrainingOptions(const std::vector<std::pair<std::string, std::string>>& fields);
 
 /// What a training run's checkpoint says about its model; nothing if the file is not a checkpoint.
 std::optional<ModelInfo> CheckpointInfo(const std::filesystem::path& path);

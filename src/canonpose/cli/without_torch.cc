@@ -42,6 +42,8 @@ std::string DescribeLinearAlgebra() { return "null"; }
 
 bool IsTrainingOption(const std::string&) { return false; }
 
+void CheckTrainingOptions(const std::vector<std::pair<std::string, std::string>>&) { ThrowWithoutTorch("training"); }
+
 std::optional<ModelInfo> CheckpointInfo(const std::filesystem::path&) { return std::nullopt; }
 
 void ApplyMorph(const std::filesystem::path&, Dataset&, const std::string&) { ThrowWithoutTorch("--morph"); }

@@ -130,6 +130,11 @@ std::map<std::string, int> CountNames(const std::vector<VideoSource>& sources) {
 
 }  // namespace
 
+bool HoldsVideos(const fs::path& folder) {
+  std::error_code error;
+  return fs::is_directory(folder, error) && std::ranges::any_of(FilesIn(folder, "*"), IsVideoName);
+}
+
 std::vector<VideoSource> FindVideos(const std::vector<std::string>& paths) {
   std::vector<VideoSource> sources;
   for (const std::string& path : paths) {

@@ -25,6 +25,9 @@ struct VideoSource {
 /// or names are the same all the same.
 std::vector<VideoSource> FindVideos(const std::vector<std::string>& paths);
 
+/// Whether a folder holds files with the extension of a video; not those of its sub-folders.
+bool HoldsVideos(const std::filesystem::path& folder);
+
 struct VideoInfo {
   std::array<int, 2> image_size{0, 0};  ///< width, height of the frames as they come, so after rotation
   double fps = 0.0;                     ///< as the container states; 0 where unknown

@@ -140,11 +140,7 @@ void AddSceneTypes(py::module_& module) {
       });
 }
 
-std::vector<Scene> ScenesOf(const Dataset& dataset) {
-  std::vector<Scene> scenes;
-  for (const Sequence& sequence : dataset.sequences) scenes.push_back(SceneOfSolved(dataset, sequence, "the dataset"));
-  return scenes;
-}
+std::vector<Scene> ScenesOf(const Dataset& dataset) { return ScenesOfSolved(dataset, "the dataset"); }
 
 }  // namespace
 
@@ -155,7 +151,7 @@ void AddScenes(py::module_& module) {
       "read_scenes",
       [](const std::filesystem::path& path) { return Result({py::none()}, [&] { return ReadScenes(path); }); },
       py::arg("path"), "The scenes of a file: a scene file, or a solved dataset.");
-  module.def("scenes_of", &ScenesOf, py::arg("dataset"), "A scene for every sequence of a solved dataset.");
+  module.def("scenes_of", &ScenesOf, py::arg("dataset"), "The scenes of a solved dataset: one for each sequence, but one of several people where they were filmed together.");
 }
 
 }  // namespace canonpose::python

@@ -239,9 +239,9 @@ TEST(Program, BadInputsOfTraining) {
   WriteData(data);
   ExpectBadInput({"train", folder / "none.h5", "-o", folder / "run"}, HasSubstr("none.h5"));
   ExpectBadInput({"train", data, "-o", "/proc/run"}, HasSubstr("/proc/run"));
-  WriteData(folder / "version.h5", 40, 5, 2);
+  WriteData(folder / "version.h5", 40, 5, 3);
   ExpectBadInput({"train", folder / "version.h5", "-o", folder / "run"},
-                 AllOf(HasSubstr("version.h5"), HasSubstr("version"), HasSubstr("found 2")));
+                 AllOf(HasSubstr("version.h5"), HasSubstr("version"), HasSubstr("found 3")));
   WriteFileAtomically(folder / "cut.h5", ReadFile(data).substr(0, 3000));
   ExpectBadInput({"train", folder / "cut.h5", "-o", folder / "run"}, HasSubstr("cut.h5"));
 

@@ -21,6 +21,7 @@
 #include "canonpose/data/dataset.h"
 #include "canonpose/data/read_scenes.h"
 #include "canonpose/data/seen_by.h"
+#include "canonpose/data/solved_scene.h"
 #include "canonpose/export/calibration.h"
 #include "canonpose/export/person_names.h"
 #include "canonpose/export/scene_formats.h"
@@ -172,9 +173,11 @@ ExportJob JobFor(const fs::path& output, const Scene& scene, const std::vector<s
 
 /// Which cameras saw the joints of a scene's people; empty where the input does not say.
 std::vector<std::vector<std::uint8_t>> SeenByOf(const Dataset& dataset, const Scene& scene) {
-  const auto found = std::ranges::find(dataset.sequences, scene.name, &Sequence::name);
-  if (found == dataset.sequences.end() || scene.people.size() != 1) return {};
-  return {SeenBy(*found)};
+  const std::vector<const Sequence*> sequences = SequencesOf(dataset, scene);
+  if (sequences.size() != scene.people.size()) return {};
+  std::vector<std::vector<std::uint8_t>> seen_by;
+  for (const Sequence* sequence : sequences) seen_by.push_back(SeenBy(*sequence));
+  return seen_by;
 }
 
 std::vector<ExportJob> JobsFor(const ExportArguments& arguments, bool holds_people) {

@@ -47,7 +47,7 @@ std::pair<std::string, std::string> SplitNameAndPath(const std::string& text) {
 int ParsePerson(const std::string& text) {
   if (text.empty() || text.size() > 6 || text.find_first_not_of("0123456789") != std::string::npos ||
       std::stoi(text) < 1) {
-    ThrowInvalidArgument("--person takes a number from 1 on, or NAME=NUMBER for one camera, not \"{}\"", text);
+    ThrowInvalidArgument("--person takes a number from 1 on, NAME=NUMBER for one camera, or all, not \"{}\"", text);
   }
   return std::stoi(text);
 }
@@ -70,6 +70,10 @@ ImportOptions ToOptions(const ImportArguments& arguments) {
     (name.empty() ? options.image_size : options.camera_image_size[name]) = ParseImageSize(size);
   }
   for (const std::string& text : arguments.people) {
+    if (text == "all") {
+      options.everybody = true;
+      continue;
+    }
     const auto [name, number] = SplitNameAndPath(text);
     (name.empty() ? options.person : options.camera_person[name]) = ParsePerson(number);
   }
@@ -108,8 +112,17 @@ BenchmarkOptions ToBenchmarkOptions(const ImportArguments& arguments, const CLI:
   return options;
 }
 
-void LogSummary(const Dataset& dataset, const std::string& output) {
-  const Sequence& sequence = dataset.sequences.front();
+/// "cam1 3, cam2 4": how many tracks each camera has.
+std::string TracksSeen(const Sequence& sequence) {
+  std::string cameras;
+  for (const CameraView& view : sequence.cameras) {
+    cameras += fmt::format("{}{} {}", cameras.empty() ? "" : ", ", view.name, view.tracks.size());
+  }
+  return cameras;
+}
+
+/// "cam1 98.1 %, cam2 97.0 %": how much each camera sees of the person.
+std::string SharesSeen(const Sequence& sequence) {
   std::string cameras;
   for (const CameraView& view : sequence.cameras) {
     long seen = 0;
@@ -117,12 +130,18 @@ void LogSummary(const Dataset& dataset, const std::string& output) {
     const double share = static_cast<double>(seen) / static_cast<double>(view.confidence.size());
     cameras += fmt::format("{}{} {:.1f} %", cameras.empty() ? "" : ", ", view.name, 100.0 * share);
   }
+  return cameras;
+}
+
+void LogSummary(const Dataset& dataset, const std::string& output) {
+  const Sequence& sequence = dataset.sequences.front();
   std::string derived;
   for (const std::string& joint : dataset.source.mapping) {
     if (joint.find(" = mean(") != std::string::npos) derived += (derived.empty() ? "" : ", ") + joint;
   }
-  LogInfo("{}: {} frames from {} cameras; joints seen: {}", output, sequence.frame_count, sequence.cameras.size(),
-          cameras);
+  const bool has_tracks = sequence.HasTracks();
+  LogInfo("{}: {} frames from {} cameras; {}: {}", output, sequence.frame_count, sequence.cameras.size(),
+          has_tracks ? "tracks of people" : "joints seen", has_tracks ? TracksSeen(sequence) : SharesSeen(sequence));
   LogInfo("layout {}, {} joints; derived: {}", dataset.source.layout, dataset.skeleton.joint_count(),
           derived.empty() ? "none" : derived);
   const Skeleton* layout = FindSkeleton(dataset.source.layout);
@@ -168,6 +187,9 @@ void RunImport(const ImportArguments& arguments, const CLI::App& command) {
   RefuseOptions(command, {"--truth", "--cameras"}, format + ", which is not a benchmark");
   const ImportOptions options = ToOptions(arguments);
   options.Validate();
+  if (options.everybody && !arguments.morph.empty()) {
+    ThrowInvalidArgument("--morph moves the joints of one person; leave it out with --person all");
+  }
   CheckOutput(arguments);
   Dataset dataset = ImportDetections(options);
   if (!arguments.morph.empty()) ApplyMorph(arguments.morph, dataset, arguments.output);
@@ -237,8 +259,9 @@ void AddImportCommand(CLI::App& app) {
       ->type_name("RUN");
   command
       ->add_option("--person", arguments->people,
-                   "Whom to follow if several people are seen: 1 is the most prominent (default)")
-      ->type_name("[NAME=]N")
+                   "Whom to follow if several people are seen: 1 is the most prominent (default); all: everybody, whom "
+                   "solve then tells apart")
+      ->type_name("[NAME=]N|all")
       ->allow_extra_args(false);
   command
       ->add_option("--align", arguments->align,

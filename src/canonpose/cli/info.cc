@@ -52,8 +52,11 @@ void PrintSource(const Facts& source) {
 
 void PrintCamera(const Facts& camera) {
   const Facts& size = camera.at("image_size");
-  fmt::print("  camera     {}: {}x{} px, {:.1f} % of joints seen{}{}{}\n", TextIn(camera, "name"),
-             size.at(0).get<int>(), size.at(1).get<int>(), NumberIn(camera, "seen_percent"),
+  const std::size_t tracks = camera.at("tracks").get<std::size_t>();
+  fmt::print("  camera     {}: {}x{} px, {}{}{}{}\n", TextIn(camera, "name"), size.at(0).get<int>(),
+             size.at(1).get<int>(),
+             tracks > 0 ? fmt::format("{} tracks of people", tracks)
+                        : fmt::format("{:.1f} % of joints seen", NumberIn(camera, "seen_percent")),
              IsIn(camera, "truth") ? ", truth" : "", IsIn(camera, "solved") ? ", solved" : "",
              IsIn(camera, "calibrated") ? ", calibrated" : "");
 }
@@ -66,6 +69,7 @@ void PrintSequence(const Facts& sequence) {
   const auto actions = sequence.at("actions").get<Texts>();
   if (!actions.empty()) fmt::print("  actions    {}\n", fmt::join(actions, ", "));
   if (IsKnown(sequence, "truth_kind")) fmt::print("  truth      {}\n", TextIn(sequence, "truth_kind"));
+  if (IsKnown(sequence, "scene")) fmt::print("  together   with the others of {}\n", TextIn(sequence, "scene"));
   if (IsKnown(sequence, "solved")) {
     const Facts& solved = sequence.at("solved");
     fmt::print("  solved     in {}\n", TextIn(solved, "unit"));

@@ -53,6 +53,7 @@ Facts CameraFacts(const CameraView& view) {
           {"seen_percent", SeenPercent(view)},
           {"truth", !view.truth.empty()},
           {"solved", !view.solved.empty()},
+          {"tracks", view.tracks.size()},
           {"calibrated", !view.calibration.empty()}};
 }
 
@@ -78,6 +79,7 @@ Facts SequenceFacts(const Sequence& sequence) {
           {"capture", sequence.capture},
           {"actions", sequence.actions},
           {"truth_kind", UnlessNone(sequence.truth_kind)},
+          {"scene", UnlessNone(sequence.scene)},
           {"solved", SolvedFacts(sequence)},
           {"cameras", std::move(cameras)}};
 }
@@ -298,7 +300,7 @@ Facts FactsOf(const fs::path& path) {
     AddScene(ReadScene(path), facts);
   } else {
     facts["kind"] = "dataset";
-    AddDataset(ReadDataset(path), facts);
+    AddDataset(ReadDataset(path, TracksInDataset::kAllowed), facts);
   }
   return facts;
 }

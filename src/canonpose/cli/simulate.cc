@@ -176,6 +176,8 @@ void AddMotionOptions(CLI::App& command, SimulateArguments& arguments) {
                      "people and motion are generated");
   command.add_option("--subjects", options.subjects, "Number of generated people (default 4)");
   command.add_option("--clips", options.clips, "Clips of each person (default: one per activity)");
+  command.add_option("--people", options.people,
+                     "How many of them are filmed together, by the same cameras at the same time (default 1)");
   command.add_option("--seconds", options.seconds, "Length of each clip (default 10)");
   command
       .add_option("--activities", arguments.activities,
@@ -250,7 +252,7 @@ void AddSimulateCommand(CLI::App& app) {
       });
   command->callback([arguments, command] {
     // Refuse options that would be ignored.
-    for (const char* option : {"--subjects", "--clips", "--seconds", "--activities"}) {
+    for (const char* option : {"--subjects", "--clips", "--people", "--seconds", "--activities"}) {
       if (!arguments->options.motion_files.empty() && command->count(option) > 0) {
         ThrowInvalidArgument("{} is for generated people; leave it out with motion capture files", option);
       }

@@ -1,4 +1,5 @@
 // canonpose solve data.h5... -o solved.h5
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -18,6 +19,7 @@
 #include "canonpose/data/merge.h"
 #include "canonpose/data/solved_world.h"
 #include "canonpose/pipeline/bootstrap.h"
+#include "canonpose/pipeline/identify_people.h"
 #include "canonpose/solve/solver.h"
 
 namespace canonpose {
@@ -41,7 +43,7 @@ Dataset ReadAll(const SolveArguments& arguments) {
   std::vector<Dataset> datasets;
   std::vector<std::string> files;
   for (const fs::path& path : arguments.data) {
-    datasets.push_back(ReadDataset(path));
+    datasets.push_back(ReadDataset(path, TracksInDataset::kAllowed));
     files.push_back(path.string());
     if (!arguments.frames.empty()) KeepFrames(datasets.back(), FrameRange::Parse(arguments.frames), files.back());
   }
@@ -72,9 +74,11 @@ void RunSolve(const SolveArguments& arguments) {
   bootstrap.threads = options.threads;
   std::vector<std::string> files;
   for (const fs::path& path : arguments.data) files.push_back(path.string());
-  options.RequireSizesOf(dataset);
-  const StartPoses start = Bootstrap(dataset, fmt::format("{}", fmt::join(files, ", ")), bootstrap);
-  const SolveReport report = Solve(dataset, start, options);
+  // Before minutes of work; but it is not known yet who is in a recording of several people.
+  if (std::ranges::none_of(dataset.sequences, &Sequence::HasTracks)) options.RequireSizesOf(dataset);
+  IdentifiedPeople identified = IdentifyPeople(dataset, fmt::format("{}", fmt::join(files, ", ")), bootstrap);
+  SolveReport report = Solve(dataset, identified.start, options);
+  report.people = std::move(identified.people);
   WriteDataset(arguments.output, dataset);
   if (!arguments.json.empty()) WriteFileAtomically(arguments.json, report.ToJson());
   std::cout << report.ToText() << std::flush;

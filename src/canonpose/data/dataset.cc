@@ -76,6 +76,10 @@ int ViewClock::OwnFrame(int frame) const {
   return own >= 0 && own < count_ ? own : -1;
 }
 
+bool Sequence::HasTracks() const {
+  return std::ranges::any_of(cameras, [](const CameraView& view) { return !view.tracks.empty(); });
+}
+
 bool Dataset::HasTruth() const {
   return AnyView(*this, [](const CameraView& view) { return view.truth.AnyKnown(); });
 }
@@ -101,6 +105,11 @@ std::uint64_t Dataset::Fingerprint() const {
       AddInts(fingerprint, {view.image_size[0], view.image_size[1]});
       AddValues(fingerprint, view.keypoints);
       AddValues(fingerprint, view.confidence);
+      for (const CameraTrack& track : view.tracks) {
+        fingerprint.Add(track.id);
+        AddValues(fingerprint, track.keypoints);
+        AddValues(fingerprint, track.confidence);
+      }
     }
   }
   return fingerprint.value();
@@ -132,6 +141,10 @@ void KeepFrames(Sequence& sequence, int first, int last, int step) {
   for (CameraView& view : sequence.cameras) {
     keep(view.keypoints);
     keep(view.confidence);
+    for (CameraTrack& track : view.tracks) {
+      keep(track.keypoints);
+      keep(track.confidence);
+    }
     view.truth.KeepFrames(first, last, step);
     view.solved.KeepFrames(first, last, step);
     keep(view.solved_frames);

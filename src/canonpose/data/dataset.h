@@ -15,6 +15,14 @@
 
 namespace canonpose {
 
+/// One person as far as one camera alone can follow them: a track of that camera. Which tracks of other cameras are the
+/// same person is not known.
+struct CameraTrack {
+  std::string id;                 ///< of this camera's tracks; says nothing about those of other cameras
+  std::vector<float> keypoints;   ///< (T, J, 2) pixels, origin top left; NaN where not detected
+  std::vector<float> confidence;  ///< (T, J) 0..1; 0 where not detected
+};
+
 /// What one camera of a sequence saw. T frames, J joints; all arrays row-major.
 struct CameraView {
   std::string name;
@@ -41,6 +49,9 @@ struct CameraView {
   /// is none.
   std::vector<Camera> calibration;
 
+  /// Of several people, where it is not known yet who is who across the cameras; `keypoints` then shows nobody.
+  std::vector<CameraTrack> tracks{};
+
   [[nodiscard]] const Camera& CalibrationAt(int frame) const {
     return calibration.size() == 1 ? calibration.front() : calibration[static_cast<std::size_t>(frame)];
   }
@@ -56,7 +67,8 @@ PoseSequence TruthPoses(const Skeleton& skeleton, std::vector<float> positions, 
 /// Whether joints of CameraView::solved are known, but the uncertainty of none of them.
 bool LacksUncertainty(const PoseSequence& solved);
 
-/// T synchronised frames of one person from the same cameras.
+/// T synchronised frames of one person from the same cameras, or of several people, not yet told apart
+/// (CameraView::tracks).
 struct Sequence {
   std::string name;
   std::string subject;
@@ -70,6 +82,12 @@ struct Sequence {
   std::vector<std::uint8_t> action{};  ///< (T) index into `actions`; empty: all frames are the first one
   std::string truth_kind{};  ///< which of a benchmark's annotations `truth` comes from, "univ_annot3"; may be empty
   WorldProvenance solved_world{};  ///< what is known of the world of the solved cameras
+  /// People who were filmed together, each of whom is a sequence: the same time and the same world. Empty where the
+  /// person is alone.
+  std::string scene{};
+
+  /// Whether the cameras have tracks of several people rather than keypoints of one person.
+  [[nodiscard]] bool HasTracks() const;
 };
 
 /// Where the keypoints came from, so that a model can read the same kind of file later. Empty for datasets that were
@@ -129,9 +147,12 @@ void KeepFrames(Sequence& sequence, int first, int last, int step = 1);
 /// Error(kBadInput) where no sequence remains, or the range ends beyond the longest sequence.
 void KeepFrames(Dataset& dataset, const FrameRange& range, const std::string& file);
 
-/// Reads a dataset file of version 1 (layout in docs/dataset.md), whether written by this program or by others with
-/// h5py. Throws Error(kBadInput).
-Dataset ReadDataset(const std::filesystem::path& path);
+/// Whether whoever reads a dataset can do something with tracks of several people.
+enum class TracksInDataset { kRefused, kAllowed };
+
+/// Reads a dataset file of version 1 or 2 (layout in docs/dataset.md), whether written by this program or by others
+/// with h5py. Throws Error(kBadInput), also where `tracks` says so and there are any.
+Dataset ReadDataset(const std::filesystem::path& path, TracksInDataset tracks = TracksInDataset::kRefused);
 
 /// Whether `path` is an HDF5 file that says it is a dataset.
 bool IsDatasetFile(const std::filesystem::path& path);
@@ -144,7 +165,9 @@ void RequireDatasetName(const std::filesystem::path& path);
 class DatasetWriter {
  public:
   /// Throws Error(kBadInput) where `path` cannot be written.
-  DatasetWriter(const std::filesystem::path& path, const Skeleton& skeleton, const DatasetSource& source = {});
+  /// `tracks` says whether sequences with tracks may be added, which makes it a file of version 2.
+  DatasetWriter(const std::filesystem::path& path, const Skeleton& skeleton, const DatasetSource& source = {},
+                TracksInDataset tracks = TracksInDataset::kRefused);
   ~DatasetWriter();
   void Add(const Sequence& sequence);
   /// Moves the finished file into place.

@@ -12,6 +12,8 @@
 #include "canonpose/base/names.h"
 #include "canonpose/data/codecs/file_kind.h"
 #include "canonpose/data/dataset.h"
+#include "canonpose/data/dataset_values.h"
+#include "canonpose/data/track_arrays.h"
 #include "canonpose/scene/camera_file.h"
 #include "canonpose/scene/provenance_file.h"
 #include "canonpose/scene/skeleton_file.h"
@@ -21,74 +23,13 @@ namespace {
 
 constexpr const char* kFormat = "canonpose-dataset";
 constexpr std::int64_t kVersion = 1;
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-
-/// The file and the place in it of the values being checked, for messages.
-struct Place {
-  std::string file;
-  std::string group;
-  const Skeleton* skeleton;
-
-  [[noreturn]] void Fail(const std::string& array, std::size_t frame, std::size_t joint, const std::string& expected,
-                         float found, const std::string& advice) const {
-    ThrowBadInput({file, fmt::format("{}/{}, frame {}, joint {}", group, array, frame, skeleton->joints[joint]),
-                   expected, fmt::format("{}", found), advice});
-  }
-};
-
-/// Checks keypoints and confidences; a joint that is missing in one becomes missing in both.
-void CheckKeypoints(CameraView& view, const Place& place) {
-  const std::size_t joints = place.skeleton->joints.size();
-  for (std::size_t i = 0; i < view.confidence.size(); ++i) {
-    float* pixel = &view.keypoints[2 * i];
-    float& confidence = view.confidence[i];
-    for (int axis = 0; axis < 2; ++axis) {
-      if (std::isinf(pixel[axis])) {
-        place.Fail("keypoints", i / joints, i % joints, "a pixel, or NaN where not detected", pixel[axis],
-                   "write NaN and confidence 0 where a joint was not detected");
-      }
-    }
-    if (!(confidence >= 0.0F && confidence <= 1.0F)) {
-      place.Fail("confidence", i / joints, i % joints, "a number from 0 to 1", confidence,
-                 "divide by the detector's largest possible confidence, and write 0 where not detected");
-    }
-    if (confidence == 0.0F || std::isnan(pixel[0]) || std::isnan(pixel[1])) {
-      pixel[0] = pixel[1] = kNaN;
-      confidence = 0.0F;
-    }
-  }
-}
-
-/// Checks 3D poses; a joint with one unknown coordinate becomes unknown in all three.
-void CheckPoses(std::vector<float>& poses, const std::string& array, const Place& place) {
-  const std::size_t joints = place.skeleton->joints.size();
-  for (std::size_t i = 0; 3 * i < poses.size(); ++i) {
-    bool unknown = false;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const float value = poses[3 * i + axis];
-      if (std::isinf(value)) {
-        place.Fail(array, i / joints, i % joints, "a coordinate, or NaN where unknown", value,
-                   "write NaN where unknown");
-      }
-      unknown |= std::isnan(value);
-    }
-    if (unknown) std::fill_n(&poses[3 * i], 3, kNaN);
-  }
-}
+/// Of files with tracks of several people.
+constexpr std::int64_t kVersionWithTracks = 2;
 
 // --------------------------------------------------------------------------------------------------------- reading
 
-std::vector<float> ReadArray(const h5::Group& group, const std::string& name, const std::vector<std::size_t>& shape,
-                             const std::string& meaning) {
-  const std::vector<std::size_t> found = group.Shape(name);
-  if (found != shape) {
-    group.Fail(name, fmt::format("shape {} = {}", h5::FormatShape(shape), meaning), h5::FormatShape(found), "");
-  }
-  return group.Read<float>(name).values;
-}
-
 /// What there is of uncertainties and confidences of solved joints.
-void ReadSolvedDetails(const h5::Group& group, const Place& place, PoseSequence& solved) {
+void ReadSolvedDetails(const h5::Group& group, const DatasetPlace& place, PoseSequence& solved) {
   const auto joints = static_cast<std::size_t>(solved.joint_count());
   const std::vector<std::size_t> shape = {static_cast<std::size_t>(solved.frame_count()), joints};
   if (group.Has("solved_uncertainty")) {
@@ -105,6 +46,22 @@ void ReadSolvedDetails(const h5::Group& group, const Place& place, PoseSequence&
   }
 }
 
+/// The number of frames of an array of keypoints, checked against that of the previous cameras, -1 for the first.
+int CountFrames(const h5::Group& group, const Skeleton& skeleton, int previous) {
+  const std::vector<std::size_t> shape = group.Shape("keypoints");
+  const std::size_t joints = skeleton.joints.size();
+  if (shape.size() != 3 || shape[0] == 0 || shape[0] > INT32_MAX || shape[1] != joints || shape[2] != 2) {
+    group.Fail("keypoints", fmt::format("shape (T, {}, 2) = frames, joints of /skeleton, x and y", joints),
+               h5::FormatShape(shape), "");
+  }
+  const auto frames = static_cast<int>(shape[0]);
+  if (previous >= 0 && frames != previous) {
+    group.Fail("keypoints", fmt::format("{} frames as in the previous cameras", previous), fmt::format("{}", frames),
+               "cameras of a sequence are synchronised: give all the same frames, with NaN where a camera saw nothing");
+  }
+  return frames;
+}
+
 /// frame_count is that of the previous cameras, -1 for the first.
 CameraView ReadCamera(const h5::Group& group, const std::string& name, const Skeleton& skeleton, LengthUnit solved_unit,
                       int* frame_count) {
@@ -119,24 +76,20 @@ CameraView ReadCamera(const h5::Group& group, const std::string& name, const Ske
   view.image_size = {static_cast<int>(size[0]), static_cast<int>(size[1])};
   if (group.HasAttribute("time_offset_seconds")) view.time_offset_seconds = group.GetDouble("time_offset_seconds");
 
-  const std::vector<std::size_t> shape = group.Shape("keypoints");
   const std::size_t joints = skeleton.joints.size();
-  if (shape.size() != 3 || shape[0] == 0 || shape[0] > INT32_MAX || shape[1] != joints || shape[2] != 2) {
-    group.Fail("keypoints", fmt::format("shape (T, {}, 2) = frames, joints of /skeleton, x and y", joints),
-               h5::FormatShape(shape), "");
+  const DatasetPlace place{group.file(), group.path(), &skeleton};
+  if (group.Has("tracks")) {
+    ReadTracks(group, skeleton, *frame_count, view);
+  } else {
+    *frame_count = CountFrames(group, skeleton, *frame_count);
+    const auto count = static_cast<std::size_t>(*frame_count);
+    view.keypoints = ReadArray(group, "keypoints", {count, joints, 2}, "");
+    view.confidence = ReadArray(group, "confidence", {count, joints}, "frames, joints");
+    CheckKeypoints(place, view.keypoints, view.confidence);
   }
-  const auto frames = static_cast<int>(shape[0]);
-  if (*frame_count >= 0 && frames != *frame_count) {
-    group.Fail("keypoints", fmt::format("{} frames as in the previous cameras", *frame_count),
-               fmt::format("{}", frames),
-               "cameras of a sequence are synchronised: give all the same frames, with NaN where a camera saw nothing");
-  }
-  *frame_count = frames;
-  view.keypoints = ReadArray(group, "keypoints", shape, "");
-  view.confidence = ReadArray(group, "confidence", {shape[0], joints}, "frames, joints");
-  const std::vector<std::size_t> pose_shape = {shape[0], joints, 3};
-  const Place place{group.file(), group.path(), &skeleton};
-  CheckKeypoints(view, place);
+  const int frames = *frame_count;
+  const auto count = static_cast<std::size_t>(frames);
+  const std::vector<std::size_t> pose_shape = {count, joints, 3};
   const auto read_poses = [&](const std::string& array, LengthUnit unit) -> PoseSequence {
     if (!group.Has(array)) return {};
     std::vector<float> positions = ReadArray(group, array, pose_shape, "frames, joints, x y z");
@@ -148,7 +101,7 @@ CameraView ReadCamera(const h5::Group& group, const std::string& name, const Ske
   if (!view.solved.empty()) ReadSolvedDetails(group, place, view.solved);
   if (group.Has("solved_frames")) {
     const h5::Array<double> solved_frames = group.Read<double>("solved_frames");
-    if (solved_frames.shape != std::vector<std::size_t>{shape[0]}) {
+    if (solved_frames.shape != std::vector<std::size_t>{count}) {
       group.Fail("solved_frames", fmt::format("shape ({}) = frames", frames), h5::FormatShape(solved_frames.shape), "");
     }
     view.solved_frames = solved_frames.values;
@@ -204,6 +157,15 @@ void ReadActions(const h5::Group& group, Sequence& sequence) {
   }
 }
 
+/// Of a sequence with tracks: a camera that saw nobody does not show how many frames there are.
+int ReadFrameCount(const h5::Group& group) {
+  const std::int64_t frames = group.GetInt("frames");
+  if (frames < 1 || frames > INT32_MAX) {
+    group.Fail("attribute frames", "the number of frames", fmt::format("{}", frames), "");
+  }
+  return static_cast<int>(frames);
+}
+
 Sequence ReadSequence(const h5::Group& group, const std::string& name, const Skeleton& skeleton) {
   Sequence sequence;
   sequence.name = name;
@@ -225,7 +187,7 @@ Sequence ReadSequence(const h5::Group& group, const std::string& name, const Ske
   const LengthUnit solved_unit = ReadSolvedUnit(group);
   sequence.solved_world = ReadWorldProvenance(group, "solved_");
   const h5::Group cameras = group.Open("cameras");
-  int frame_count = -1;
+  int frame_count = group.HasAttribute("frames") ? ReadFrameCount(group) : -1;
   for (const std::string& camera : cameras.Children()) {
     sequence.cameras.push_back(ReadCamera(cameras.Open(camera), camera, skeleton, solved_unit, &frame_count));
   }
@@ -233,6 +195,7 @@ Sequence ReadSequence(const h5::Group& group, const std::string& name, const Ske
   sequence.frame_count = frame_count;
   ReadActions(group, sequence);
   if (group.HasAttribute("truth_kind")) sequence.truth_kind = group.GetString("truth_kind");
+  if (group.HasAttribute("scene")) sequence.scene = group.GetString("scene");
   return sequence;
 }
 
@@ -244,9 +207,9 @@ void CheckFormat(const h5::Group& root) {
   const std::string format = root.GetString("format");
   if (format != kFormat) root.Fail("attribute format", fmt::format("\"{}\"", kFormat), '"' + format + '"', advice);
   const std::int64_t version = root.GetInt("version");
-  if (version != kVersion) {
-    root.Fail("attribute version", fmt::format("{}", kVersion), fmt::format("{}", version),
-              version > kVersion
+  if (version != kVersion && version != kVersionWithTracks) {
+    root.Fail("attribute version", fmt::format("{} or {}", kVersion, kVersionWithTracks), fmt::format("{}", version),
+              version > kVersionWithTracks
                   ? "the file is from a newer version of canonpose: update this one, or create the file again with it"
                   : "create the file again");
   }
@@ -304,7 +267,7 @@ void CheckName(const std::filesystem::path& path, const std::string& name, const
 
 }  // namespace
 
-Dataset ReadDataset(const std::filesystem::path& path) {
+Dataset ReadDataset(const std::filesystem::path& path, TracksInDataset tracks) {
   if (KindOfFile(path) == "a video") {
     ThrowBadInput({path.string(), "", "a dataset", "a video",
                    "run a 2D keypoint detector on it, import what the detector writes, and give that dataset"});
@@ -319,6 +282,9 @@ Dataset ReadDataset(const std::filesystem::path& path) {
   const h5::Group sequences = root.Open("sequences");
   for (const std::string& name : sequences.Children()) {
     dataset.sequences.push_back(ReadSequence(sequences.Open(name), name, dataset.skeleton));
+    if (tracks == TracksInDataset::kAllowed || !dataset.sequences.back().HasTracks()) continue;
+    sequences.Fail(name, "keypoints of one person", "tracks of several people, not yet told apart",
+                   "run `canonpose solve` first, which finds who is who across the cameras");
   }
   if (dataset.sequences.empty()) root.Fail("sequences", "at least one sequence", "none", "");
   return dataset;
@@ -345,17 +311,19 @@ void RequireDatasetName(const std::filesystem::path& path) {
 struct DatasetWriter::State {
   std::filesystem::path path;
   Skeleton skeleton;
+  TracksInDataset tracks;
   h5::File file;
   h5::Group sequences;
 };
 
-DatasetWriter::DatasetWriter(const std::filesystem::path& path, const Skeleton& skeleton, const DatasetSource& source) {
+DatasetWriter::DatasetWriter(const std::filesystem::path& path, const Skeleton& skeleton, const DatasetSource& source,
+                             TracksInDataset tracks) {
   CANONPOSE_CHECK(skeleton.Problem().empty(), "{}", skeleton.Problem());
   CANONPOSE_CHECK(source.mapping.empty() || source.mapping.size() == skeleton.joints.size(),
                   "{} mappings for {} joints", source.mapping.size(), skeleton.joints.size());
   h5::File file = h5::File::CreateAt(path);
   file.root().SetString("format", kFormat);
-  file.root().SetInt("version", kVersion);
+  file.root().SetInt("version", tracks == TracksInDataset::kAllowed ? kVersionWithTracks : kVersion);
   if (!source.format.empty()) file.root().SetString("source_format", source.format);
   if (!source.layout.empty()) file.root().SetString("source_layout", source.layout);
   if (!source.morph.empty()) file.root().SetString("source_morph", source.morph);
@@ -364,7 +332,7 @@ DatasetWriter::DatasetWriter(const std::filesystem::path& path, const Skeleton& 
   WriteSkeleton(skeleton_group, skeleton);
   if (!source.mapping.empty()) skeleton_group.SetStrings("mapping", source.mapping);
   h5::Group sequences = file.root().Create("sequences");
-  state_ = std::make_unique<State>(State{path, skeleton, std::move(file), std::move(sequences)});
+  state_ = std::make_unique<State>(State{path, skeleton, tracks, std::move(file), std::move(sequences)});
 }
 
 DatasetWriter::~DatasetWriter() = default;
@@ -384,6 +352,11 @@ void DatasetWriter::Add(const Sequence& sequence) {
   if (sequence.capture_is_named && !sequence.capture.empty()) group.SetString("capture", sequence.capture);
   if (!sequence.actions.empty()) group.SetStrings("actions", sequence.actions);
   if (!sequence.truth_kind.empty()) group.SetString("truth_kind", sequence.truth_kind);
+  if (!sequence.scene.empty()) group.SetString("scene", sequence.scene);
+  const bool has_tracks = sequence.HasTracks();
+  CANONPOSE_CHECK(!has_tracks || state_->tracks == TracksInDataset::kAllowed, "tracks in a file without: {}",
+                  sequence.name);
+  if (has_tracks) group.SetInt("frames", sequence.frame_count);
   WriteSolvedWorld(group, sequence);
   h5::Group cameras = group.Create("cameras");
 
@@ -403,12 +376,16 @@ void DatasetWriter::Add(const Sequence& sequence) {
                       cameras_of_view->size(), frames);
     }
     h5::Group camera = cameras.Create(view.name);
-    const Place place{state_->path.string(), camera.path(), &state_->skeleton};
-    CheckKeypoints(view, place);
+    const DatasetPlace place{state_->path.string(), camera.path(), &state_->skeleton};
     camera.SetInts("image_size", {view.image_size[0], view.image_size[1]});
     if (view.time_offset_seconds != 0.0) camera.SetDouble("time_offset_seconds", view.time_offset_seconds);
-    Write(camera, "keypoints", view.keypoints, {frames, joints, 2});
-    Write(camera, "confidence", view.confidence, {frames, joints});
+    if (has_tracks) {
+      WriteTracks(place, view, sequence.frame_count, camera);
+    } else {
+      CheckKeypoints(place, view.keypoints, view.confidence);
+      Write(camera, "keypoints", view.keypoints, {frames, joints, 2});
+      Write(camera, "confidence", view.confidence, {frames, joints});
+    }
     for (const auto& [array, poses] : {std::pair("truth", &view.truth), std::pair("solved", &view.solved)}) {
       if (poses->empty()) continue;
       CANONPOSE_CHECK(poses->positions().size() == frames * joints * 3, "{} values for {} frames",
@@ -435,7 +412,9 @@ void DatasetWriter::Commit() {
 }
 
 void WriteDataset(const std::filesystem::path& path, const Dataset& dataset) {
-  DatasetWriter writer(path, dataset.skeleton, dataset.source);
+  const bool has_tracks = std::ranges::any_of(dataset.sequences, &Sequence::HasTracks);
+  DatasetWriter writer(path, dataset.skeleton, dataset.source,
+                       has_tracks ? TracksInDataset::kAllowed : TracksInDataset::kRefused);
   for (const Sequence& sequence : dataset.sequences) writer.Add(sequence);
   writer.Commit();
 }

@@ -421,8 +421,8 @@ TEST(DatasetFileTest, AMinimalFileIsEnough) {
 TEST(DatasetFileTest, ErrorsSayWhereAndWhat) {
   EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.format = "canonpose-model"; }),
               AllOf(HasSubstr("canonpose-dataset"), HasSubstr("canonpose-model"), HasSubstr("canonpose import")));
-  EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.version = 2; }),
-              AllOf(HasSubstr("expected 1, found 2"), HasSubstr("update")));
+  EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.version = 3; }),
+              AllOf(HasSubstr("expected 1 or 2, found 3"), HasSubstr("update")));
   EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.joints.pop_back(); }), HasSubstr("/skeleton"));
   EXPECT_THAT(ErrorOfChange([](RawFile& raw) { raw.parents = {-1, 2, 1}; }), HasSubstr("LKnee"));
   EXPECT_THAT(ErrorOfChange([](RawFile& raw) {
@@ -515,6 +515,73 @@ TEST(ReadDataset, AVideoNeedsADetector) {
   WriteFileAtomically(folder / "a.avi", "RIFF1234AVI LIST");
   EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadDataset(folder / "a.avi"); }),
               HasSubstr("expected a dataset, found a video; run a 2D keypoint detector on it"));
+}
+
+/// Two people in the first camera, nobody in the second.
+Dataset WithTracks() {
+  Dataset dataset = Sample();
+  Sequence& walk = dataset.sequences[1];
+  for (CameraView& view : walk.cameras) {
+    CameraTrack track{"0001", std::move(view.keypoints), std::move(view.confidence)};
+    view.keypoints.assign(24, kNaN);
+    view.confidence.assign(12, 0.0F);
+    if (view.name != "c1") continue;
+    view.tracks = {track, track};
+    view.tracks[1].id = "0002";
+    for (float& value : view.tracks[1].keypoints) value += 1.0F;
+  }
+  return dataset;
+}
+
+TEST(DatasetFile, KeepsTracksOfSeveralPeople) {
+  const TemporaryFolder folder;
+  const Dataset dataset = WithTracks();
+  WriteDataset(folder / "data.h5", dataset);
+  const Dataset read = ReadDataset(folder / "data.h5", TracksInDataset::kAllowed);
+  EXPECT_FALSE(read.sequences[0].HasTracks());
+  const Sequence& walk = read.sequences[1];
+  EXPECT_TRUE(walk.HasTracks());
+  EXPECT_EQ(walk.frame_count, 4);
+  EXPECT_TRUE(walk.cameras[1].tracks.empty());
+  EXPECT_EQ(walk.cameras[1].calibration.size(), 1U);
+  ASSERT_EQ(walk.cameras[0].tracks.size(), 2U);
+  EXPECT_EQ(walk.cameras[0].tracks[1].id, "0002");
+  EXPECT_EQ(walk.cameras[0].tracks[1].keypoints[0], 1.0F);
+  EXPECT_EQ(walk.cameras[0].tracks[0].confidence, dataset.sequences[1].cameras[0].tracks[0].confidence);
+  EXPECT_EQ(read.Fingerprint(), dataset.Fingerprint());
+}
+
+TEST(DatasetFile, OnlyWithTracksIsItOfAnotherVersion) {
+  const TemporaryFolder folder;
+  WriteDataset(folder / "one.h5", Sample());
+  WriteDataset(folder / "several.h5", WithTracks());
+  EXPECT_EQ(h5::File::OpenForReading(folder / "one.h5").root().GetInt("version"), 1);
+  EXPECT_EQ(h5::File::OpenForReading(folder / "several.h5").root().GetInt("version"), 2);
+}
+
+TEST(DatasetFile, TracksAreRefusedWhereOnePersonIsNeeded) {
+  const TemporaryFolder folder;
+  WriteDataset(folder / "data.h5", WithTracks());
+  EXPECT_THAT(ErrorOf(ErrorKind::kBadInput, [&] { ReadDataset(folder / "data.h5"); }),
+              AllOf(HasSubstr("/sequences/walk"), HasSubstr("run `canonpose solve` first")));
+}
+
+TEST(DatasetFile, KeepsWhoWasFilmedTogether) {
+  const TemporaryFolder folder;
+  Dataset dataset = Sample();
+  dataset.sequences[1].scene = "hall";
+  WriteDataset(folder / "data.h5", dataset);
+  const Dataset read = ReadDataset(folder / "data.h5");
+  EXPECT_EQ(read.sequences[0].scene, "");
+  EXPECT_EQ(read.sequences[1].scene, "hall");
+}
+
+TEST(KeepFrames, AlsoOfTracks) {
+  Dataset dataset = WithTracks();
+  const float third = dataset.sequences[1].cameras[0].tracks[1].keypoints[12];
+  KeepFrames(dataset.sequences[1], 2, 3);
+  EXPECT_EQ(dataset.sequences[1].cameras[0].tracks[1].keypoints.size(), 12U);
+  EXPECT_EQ(dataset.sequences[1].cameras[0].tracks[1].keypoints[0], third);
 }
 
 }  // namespace

@@ -16,7 +16,8 @@
 #include "canonpose/base/log.h"
 #include "canonpose/data/calibration_check.h"
 #include "canonpose/data/detection_cleaning.h"
-#include "canonpose/data/image_size_check.h"
+#include "canonpose/data/everybody.h"
+#include "canonpose/data/keypoint_checks.h"
 #include "canonpose/data/own_layout.h"
 #include "canonpose/data/person_tracking.h"
 #include "canonpose/data/readers/calibration.h"
@@ -35,21 +36,6 @@ using ImageSize = std::array<int, 2>;
 
 constexpr const char* kUsualSkeleton = "h36m-17";
 using Calibration = std::map<std::string, CalibratedCamera>;
-
-/// Coordinates that never exceed this are fractions of the image, not pixels.
-constexpr float kLargestFraction = 2.0F;
-/// A keypoint outside the image by this fraction of its size is not just beyond its border.
-constexpr float kFarOutside = 0.1F;
-/// If this fraction of the keypoints is far outside, the image size is wrong.
-constexpr double kManyOutside = 0.02;
-/// Of the keypoints' centre, as a fraction of the image: about 0.35 for a video of half the size or with width and
-/// height exchanged, up to 0.26 where the size is right but only arms and head are detected.
-constexpr double kClearlyOffCentre = 0.3;
-/// No detector's confidences exceed this; AlphaPose's, which are maxima of heat maps, reach about 6.
-constexpr float kLargestConfidence = 100.0F;
-/// Nor does one exceed both this and kOutlierFactor times the value that 99 % of them stay below.
-constexpr float kSuspiciousConfidence = 10.0F;
-constexpr float kOutlierFactor = 10.0F;
 
 bool SamePath(const fs::path& a, const fs::path& b) {
   std::error_code error;
@@ -161,88 +147,15 @@ std::vector<Camera> CamerasOf(const CalibratedCamera& calibrated, int frame_coun
   return calibrated.per_frame;
 }
 
-void RefuseFractions(const KeypointClip& clip) {
-  float largest = 0.0F;
-  for (const float coordinate : clip.keypoints) {
-    if (!std::isnan(coordinate)) largest = std::max(largest, std::abs(coordinate));
-  }
-  if (largest > kLargestFraction) return;
-  ThrowBadInput({clip.path, "", "coordinates in pixels",
-                 fmt::format("none above {:.3g}, so fractions of the image", largest),
-                 "run the detector again so that it writes pixels (OpenPose: with keypoint_scale 0)"});
-}
-
-/// Warns where the keypoints say that the images were of another size.
-void CheckImageSize(const KeypointClip& clip, const ImageSize& size) {
-  std::size_t seen = 0;
-  std::size_t outside = 0;
-  std::array<float, 2> reach{0.0F, 0.0F};
-  for (std::size_t i = 0; i + 1 < clip.keypoints.size(); i += 2) {
-    if (std::isnan(clip.keypoints[i])) continue;
-    ++seen;
-    bool is_far = false;
-    for (std::size_t axis = 0; axis < 2; ++axis) {
-      const float coordinate = clip.keypoints[i + axis];
-      const auto extent = static_cast<float>(size[axis]);
-      reach[axis] = std::max(reach[axis], coordinate);
-      is_far = is_far || coordinate < -kFarOutside * extent || coordinate > (1.0F + kFarOutside) * extent;
-    }
-    outside += is_far ? 1 : 0;
-  }
-  if (static_cast<double>(outside) <= kManyOutside * static_cast<double>(seen)) {
-    const std::vector<OtherImageSize> others = OtherImageSizes(clip.keypoints, size, kClearlyOffCentre);
-    if (others.empty()) return;
-    LogWarning(
-        "{}: the keypoints lie as in images of {}x{} pixels, not {}x{}: check `image_size`, which is that of the video "
-        "that the detector was given",
-        clip.name, others.front().size[0], others.front().size[1], size[0], size[1]);
-    return;
-  }
-  LogWarning(
-      "{}: {:.0f} % of the keypoints lie far outside an image of {}x{} pixels (they reach {:.0f}, {:.0f}); check "
-      "`image_size`{}",
-      clip.name, 100.0 * static_cast<double>(outside) / static_cast<double>(seen), size[0], size[1], reach[0], reach[1],
-      size[0] != size[1] ? ", width comes first" : "");
-}
-
-/// Confidences are divided by the largest, so one absurd value would make all others nearly zero.
-void RefuseAbsurdConfidences(const DetectedCamera& camera) {
-  std::vector<float> seen;
-  float largest = 0.0F;
-  std::string place;
-  for (const DetectedFrame& frame : camera.frames) {
-    for (std::size_t p = 0; p < frame.people.size(); ++p) {
-      const std::vector<float>& confidence = frame.people[p].confidence;
-      for (std::size_t k = 0; k < confidence.size(); ++k) {
-        if (confidence[k] > 0.0F) seen.push_back(confidence[k]);
-        if (!(confidence[k] > largest)) continue;
-        largest = confidence[k];
-        if (largest > kSuspiciousConfidence)
-          place = fmt::format("frame {} ({}), person {}, keypoint {}", frame.number, frame.image, p, k);
-      }
-    }
-  }
-  if (largest <= kSuspiciousConfidence) return;
-  const auto rank = seen.begin() + static_cast<std::ptrdiff_t>((seen.size() - 1) * 99 / 100);
-  std::nth_element(seen.begin(), rank, seen.end());
-  if (largest <= kLargestConfidence && largest <= kOutlierFactor * *rank) return;
-  ThrowBadInput({camera.path, place,
-                 fmt::format("a confidence like the others, 99 % of which are at most {:.3g}, and never above {:.0f}",
-                             *rank, kLargestConfidence),
-                 fmt::format("{:.6g}", largest), "correct or remove that detection, or run the detector again"});
-}
-
-/// Reads a camera and follows the person. Adds what the files have and is not read to `unused_parts`.
-KeypointClip ReadClip(const DetectionFormat& format, const CameraInput& input, int person,
-                      std::set<std::string>& unused_parts) {
+/// Reads a camera and puts it right. Adds what the files have and is not read to `unused_parts`.
+DetectedCamera ReadCamera(const DetectionFormat& format, const CameraInput& input,
+                          std::set<std::string>& unused_parts) {
   DetectedCamera camera = format.read(input);
   RefuseAbsurdConfidences(camera);
   MergeDuplicates(camera);
   DropUselessTrackIds(camera);
   unused_parts.insert(camera.unused_parts.begin(), camera.unused_parts.end());
-  KeypointClip clip = FollowPerson(camera, person);
-  RefuseFractions(clip);
-  return clip;
+  return camera;
 }
 
 void ReportUnusedParts(const std::set<std::string>& parts) {
@@ -256,21 +169,6 @@ void CheckKeypointCounts(const std::vector<KeypointClip>& clips) {
     ThrowBadInput(
         {clip.path, "", fmt::format("{} keypoints as in camera {}", clips.front().keypoint_count, clips.front().name),
          fmt::format("{} in camera {}", clip.keypoint_count, clip.name), "all cameras must come from one detector"});
-  }
-}
-
-/// A camera given twice would look like two views that agree in everything. The clips are aligned.
-void RefuseIdenticalClips(const std::vector<KeypointClip>& clips) {
-  const auto is_same = [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); };
-  for (std::size_t i = 0; i < clips.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) {
-      if (!std::equal(clips[i].keypoints.begin(), clips[i].keypoints.end(), clips[k].keypoints.begin(),
-                      clips[k].keypoints.end(), is_same))
-        continue;
-      ThrowBadInput({clips[i].path, "", fmt::format("camera {} to have its own keypoints", clips[i].name),
-                     fmt::format("those of camera {} ({}) in every frame", clips[k].name, clips[k].path),
-                     "give every camera once, with its own detections"});
-    }
   }
 }
 
@@ -296,6 +194,24 @@ CameraView MapClip(const KeypointClip& clip, const LayoutMapping& mapping, doubl
   for (std::size_t t = 0; t < frames; ++t) {
     ApplyMapping(mapping, &clip.keypoints[t * source_count * 2], &confidence[t * source_count],
                  &view.keypoints[t * target_count * 2], &view.confidence[t * target_count]);
+  }
+  return view;
+}
+
+/// The view with a track for each of the people who stand side by side in `clip`.
+CameraView MapPeople(const KeypointClip& clip, const LayoutMapping& mapping, double confidence_scale) {
+  CameraView view;
+  view.name = clip.name;
+  const std::size_t values = clip.frame_numbers.size() * mapping.target.joints.size();
+  view.keypoints.assign(2 * values, std::numeric_limits<float>::quiet_NaN());
+  view.confidence.assign(values, 0.0F);
+  for (KeypointClip& person : SplitPeople(clip, mapping.source.joint_count())) {
+    CameraView mapped = MapClip(person, mapping, confidence_scale);
+    CameraTrack& track = view.tracks.emplace_back();
+    // Names sort in the order of the tracks.
+    track.id = fmt::format("{:04}", view.tracks.size());
+    track.keypoints = std::move(mapped.keypoints);
+    track.confidence = std::move(mapped.confidence);
   }
   return view;
 }
@@ -343,14 +259,18 @@ void ReportLeftOutJoints(const LayoutMapping& mapping) {
           is_used.size(), mapping.target.name, fmt::join(left_out, ", "));
 }
 
+/// The person of each camera; with ImportOptions::everybody all of its people, one after the other (everybody.h).
 std::vector<KeypointClip> ReadClips(const ImportOptions& options, const DetectionFormat& format,
                                     const std::vector<CameraInput>& cameras) {
   std::vector<KeypointClip> clips;
   std::set<std::string> unused_parts;
-  for (const CameraInput& camera : cameras) {
-    const auto person = options.camera_person.find(camera.name);
-    clips.push_back(ReadClip(format, camera, person == options.camera_person.end() ? options.person : person->second,
-                             unused_parts));
+  for (const CameraInput& input : cameras) {
+    const DetectedCamera camera = ReadCamera(format, input, unused_parts);
+    const auto person = options.camera_person.find(input.name);
+    clips.push_back(options.everybody ? FollowEverybody(camera)
+                                      : FollowPerson(camera, person == options.camera_person.end() ? options.person
+                                                                                                   : person->second));
+    RefuseFractions(clips.back());
   }
   ReportUnusedParts(unused_parts);
   return clips;
@@ -367,6 +287,9 @@ void ImportOptions::Validate() const {
                          BuiltinSkeletonNames());
   }
   if (person < 1) ThrowInvalidArgument("`person` counts from 1, not {}", person);
+  if (everybody && (person != 1 || !camera_person.empty())) {
+    ThrowInvalidArgument("`person`: expected all or numbers, found both; all keeps everybody");
+  }
   for (const auto& [camera, number] : camera_person) {
     if (number < 1) ThrowInvalidArgument("`person` counts from 1, not {}", number);
   }
@@ -400,6 +323,7 @@ Dataset ImportDetections(const ImportOptions& options) {
   std::vector<KeypointClip> clips = ReadClips(options, format, cameras);
   CheckKeypointCounts(clips);
   const Skeleton layout = LayoutOf(clips, options.layout);
+  if (options.everybody) std::ranges::transform(clips, clips.begin(), PeopleSideBySide);
   const double video_fps =
       options.alignment == FrameAlignment::kAutomatic ? NumberByVideoTimes(clips, facts) : CommonRate(facts);
   const double times_fps = AlignFrames(clips, options.alignment);
@@ -422,7 +346,7 @@ Dataset ImportDetections(const ImportOptions& options) {
   sequence.frame_count = clips.front().frame_count();
   for (std::size_t i = 0; i < clips.size(); ++i) {
     CheckImageSize(clips[i], cameras[i].image_size);
-    CameraView view = MapClip(clips[i], mapping, scale);
+    CameraView view = options.everybody ? MapPeople(clips[i], mapping, scale) : MapClip(clips[i], mapping, scale);
     view.image_size = cameras[i].image_size;
     if (!options.calibration.empty()) {
       view.calibration = CamerasOf(FindCalibration(calibration, view.name, options.calibration), sequence.frame_count,
@@ -431,7 +355,8 @@ Dataset ImportDetections(const ImportOptions& options) {
     sequence.cameras.push_back(std::move(view));
   }
   dataset.sequences.push_back(std::move(sequence));
-  if (!options.calibration.empty()) CheckCalibration(dataset, options.calibration.string());
+  // With everybody only `solve` can tell: nothing says yet which keypoints belong together.
+  if (!options.calibration.empty() && !options.everybody) CheckCalibration(dataset, options.calibration.string());
   dataset.sequences.front().capture = options.capture.empty()
                                           ? fmt::format("{}-{:08x}", options.name, dataset.Fingerprint() & 0xFFFFFFFFU)
                                           : options.capture;
@@ -458,7 +383,8 @@ SingleCamera ReadSingleCamera(const fs::path& path, const SingleCameraOptions& o
                                        ? KeypointCountOf(options.layout)
                                        : options.skeleton.joint_count();
   std::set<std::string> unused_parts;
-  std::vector<KeypointClip> clips{ReadClip(format, cameras.front(), options.person, unused_parts)};
+  std::vector<KeypointClip> clips{FollowPerson(ReadCamera(format, cameras.front(), unused_parts), options.person)};
+  RefuseFractions(clips.front());
   ReportUnusedParts(unused_parts);
   const Skeleton layout = LayoutOf(clips, options.layout, is_native ? nullptr : &options.skeleton);
   const LayoutMapping mapping = MapLayout(layout, is_native ? layout : options.skeleton);

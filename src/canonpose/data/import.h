@@ -27,6 +27,8 @@ struct ImportOptions {
   std::string skeleton;
   int person = 1;                            ///< who to follow; 1 is the most prominent person
   std::map<std::string, int> camera_person;  ///< the same for single cameras
+  /// Everybody instead: cameras get tracks (CameraView::tracks), and `solve` finds who is who.
+  bool everybody = false;
   std::array<int, 2> image_size{0, 0};  ///< width, height in pixels of all cameras; 0: from video.json or `calibration`
   std::map<std::string, std::array<int, 2>> camera_image_size;  ///< the same for single cameras
   std::filesystem::path calibration;                            ///< the cameras by name (calibration.h); empty: none

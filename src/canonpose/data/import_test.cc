@@ -643,5 +643,31 @@ TEST(ReadSingleCamera, ANamedCameraMustExist) {
   EXPECT_EQ(ReadSingleCamera(path, options).view.name, "cam1");
 }
 
+TEST(ImportDetections, KeepsEverybody) {
+  ImportOptions options = OpenPose();
+  const Dataset one = ImportDetections(options);
+  options.everybody = true;
+  const Dataset all = ImportDetections(options);
+  ASSERT_TRUE(all.sequences.front().HasTracks());
+  EXPECT_EQ(all.skeleton.joints, one.skeleton.joints);
+  EXPECT_EQ(all.source.layout, one.source.layout);
+  EXPECT_NE(all.Fingerprint(), one.Fingerprint());
+  for (std::size_t c = 0; c < one.sequences.front().cameras.size(); ++c) {
+    const CameraView& view = all.sequences.front().cameras[c];
+    const CameraView& followed = one.sequences.front().cameras[c];
+    EXPECT_EQ(view.image_size, followed.image_size);
+    ASSERT_FALSE(view.tracks.empty());
+    EXPECT_EQ(view.tracks.front().confidence, followed.confidence) << "the most prominent person comes first";
+    for (const float confidence : view.confidence) EXPECT_EQ(confidence, 0.0F);
+  }
+}
+
+TEST(ImportDetections, EverybodyAndOnePersonContradict) {
+  ImportOptions options = OpenPose();
+  options.everybody = true;
+  options.camera_person["cam1"] = 2;
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { ImportDetections(options); }), HasSubstr("`person`"));
+}
+
 }  // namespace
 }  // namespace canonpose

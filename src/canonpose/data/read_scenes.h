@@ -8,8 +8,8 @@
 
 namespace canonpose {
 
-/// Reads a scene file, a scene for every sequence of a solved dataset, or the poses of a file that `lift` wrote (.npz,
-/// .json). Throws Error(kBadInput).
+/// Reads a scene file, the scenes of a solved dataset (ScenesOfSolved()), or the poses of a file that `lift` wrote
+/// (.npz, .json). Throws Error(kBadInput).
 std::vector<Scene> ReadScenes(const std::filesystem::path& path);
 
 }  // namespace canonpose

@@ -2,6 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "canonpose/base/error.h"
 
@@ -54,6 +59,28 @@ std::vector<Camera> CamerasByFrame(const CameraView& view, const ViewClock& cloc
   return cameras;
 }
 
+/// Adds the person of a sequence to the scene of others who were filmed together with them.
+void AddPerson(Scene own, const Sequence& sequence, const std::string& file, Scene& scene) {
+  PoseSequence& person = own.people.front();
+  const PoseSequence& first = scene.people.front();
+  if (person.frame_count() != first.frame_count() || person.unit != first.unit || person.fps != first.fps) {
+    ThrowBadInput({file, "/sequences/" + sequence.name,
+                   fmt::format("{} frames in {}, as the others of the scene {} have", first.frame_count(),
+                               ToString(first.unit), scene.name),
+                   fmt::format("{} in {}", person.frame_count(), ToString(person.unit)),
+                   "give only recordings of one time the same attribute `scene`"});
+  }
+  for (SceneCamera& camera : own.cameras) {
+    const auto known = std::ranges::find(scene.cameras, camera.name, &SceneCamera::name);
+    if (known == scene.cameras.end()) {
+      scene.cameras.push_back(std::move(camera));
+    } else if (camera.used && !known->used) {
+      *known = std::move(camera);
+    }
+  }
+  scene.people.push_back(std::move(person));
+}
+
 }  // namespace
 
 Scene SceneOfSolved(const Dataset& dataset, const Sequence& sequence, const std::string& file) {
@@ -95,6 +122,39 @@ Scene SceneOfSolved(const Dataset& dataset, const Sequence& sequence, const std:
     }
   }
   return scene;
+}
+
+std::vector<const Sequence*> SequencesOf(const Dataset& dataset, const Scene& scene) {
+  std::vector<const Sequence*> sequences;
+  for (const Sequence& sequence : dataset.sequences) {
+    if (sequence.scene.empty() ? sequence.name != scene.name : sequence.scene != scene.name) continue;
+    if (std::ranges::any_of(sequence.cameras, IsSolved)) sequences.push_back(&sequence);
+  }
+  return sequences;
+}
+
+std::vector<Scene> ScenesOfSolved(const Dataset& dataset, const std::string& file) {
+  std::vector<Scene> scenes;
+  std::map<std::string, std::size_t> joined;
+  for (const Sequence& sequence : dataset.sequences) {
+    if (sequence.scene.empty()) {
+      scenes.push_back(SceneOfSolved(dataset, sequence, file));
+      continue;
+    }
+    if (std::ranges::none_of(sequence.cameras, IsSolved)) continue;
+    Scene own = SceneOfSolved(dataset, sequence, file);
+    const auto [known, is_new] = joined.try_emplace(sequence.scene, scenes.size());
+    if (is_new) {
+      own.name = sequence.scene;
+      scenes.push_back(std::move(own));
+    } else {
+      AddPerson(std::move(own), sequence, file, scenes[known->second]);
+    }
+  }
+  if (scenes.empty() && !dataset.sequences.empty()) {
+    (void)SceneOfSolved(dataset, dataset.sequences.front(), file);  // says what is missing
+  }
+  return scenes;
 }
 
 }  // namespace canonpose

@@ -29,7 +29,15 @@ constexpr int kMaxClips = 1000000;
 constexpr double kLowestFps = 0.1;
 
 /// What a generator is for, as its first stream number.
-enum Stream : std::uint64_t { kRigStream = 1, kPlacement = 2, kFilming = 3, kDetection = 4, kPerson = 5, kMotion = 6 };
+enum Stream : std::uint64_t {
+  kRigStream = 1,
+  kPlacement = 2,
+  kFilming = 3,
+  kDetection = 4,
+  kPerson = 5,
+  kMotion = 6,
+  kGroup = 7
+};
 
 std::uint64_t NumberOf(const std::string& name) {
   Fingerprint fingerprint;
@@ -119,6 +127,18 @@ void Place(LandmarkTrack& track, Rng rng) {
   }
 }
 
+/// Moves somebody of a group to a place in its circle, a fraction of a turn from its first, at a random distance from
+/// the middle.
+void PlaceInGroup(LandmarkTrack& track, double around, Rng rng) {
+  constexpr double kNearestMm = 900.0;
+  constexpr double kFarthestMm = 1900.0;
+  constexpr double kTurns = 0.05;
+  const double distance_mm = rng.Uniform(kNearestMm, kFarthestMm);
+  const double angle = 2.0 * M_PI * (around + rng.Uniform(-kTurns, kTurns));
+  const Eigen::Vector2d offset(distance_mm * std::cos(angle), distance_mm * std::sin(angle));
+  for (Eigen::Vector3d& point : track.positions_mm) point.head<2>() += offset;
+}
+
 /// Joint positions (T, K, 3) in a camera's frame, mapped to the skeleton like keypoints: float32 (T, J, 3).
 std::vector<float> TruthInCamera(const std::vector<Eigen::Vector3d>& joints_mm, std::size_t joint_count,
                                  const FilmingCamera& camera, const std::optional<LayoutMapping>& mapping) {
@@ -151,6 +171,9 @@ void SimulationOptions::Validate() const {
   RequireNumber(clips >= 0 && clips <= kMaxClips, "`clips`", "1 to 1000000", clips);
   RequireNumber(static_cast<double>(subjects) * std::max(1, clips) <= kMaxClips, "`clips`",
                 "at most 1000000 clips for all subjects together", clips);
+  RequireNumber(people >= 1 && people <= subjects, "`people`", "1 to the number of subjects", people);
+  RequireNumber(subjects % people == 0, "`people`", fmt::format("a divisor of {} subjects", subjects).c_str(), people);
+  RequireNumber(people == 1 || motion_files.empty(), "`people`", "1 with motion capture files", people);
   RequireNumber(seconds > 0.0 && std::isfinite(seconds), "`seconds`", "more than 0", seconds);
   RequireNumber(fps == 0.0 || (fps >= kLowestFps && fps <= 1000.0), "`fps`", "0.1 to 1000 frames per second", fps);
   if (motion_files.empty()) {
@@ -173,13 +196,17 @@ Simulator::Simulator(SimulationOptions options) : options_(std::move(options)) {
   if (!layout_skeleton().SameJoints(skeleton_)) skeleton_from_layout_ = MapLayout(layout_skeleton(), skeleton_);
   // An unusable rig is reported before any motion is read. A rig from a file is the same for all captures.
   std::unique_ptr<Rig> rig = MakeRig(options_.rig, Rng(options_.seed, {kRigStream}));
+  if (options_.people > 1 && !rig->is_static()) {
+    ThrowBadInput({"", "`people`", "1 where the cameras follow the person", fmt::format("{}", options_.people),
+                   "choose a `rig` of static cameras"});
+  }
   if (options_.rig.IsFile()) rig_of_file_ = std::move(rig);
   if (options_.motion_files.empty()) {
     ListProceduralClips();
   } else {
     const std::vector<std::filesystem::path> files = FindMotionFiles(options_.motion_files);
     RequireDifferentNames(files);
-    for (const std::filesystem::path& file : files) clips_.push_back({file, {}});
+    for (const std::filesystem::path& file : files) clips_.push_back(ClipSource{file, {}, "", "", 0.0});
   }
 }
 
@@ -195,14 +222,20 @@ void Simulator::ListProceduralClips() {
     const auto subject = static_cast<std::uint64_t>(s);
     for (int c = 0; c < clips; ++c) {
       ProceduralClip clip;
-      clip.activity = activities[static_cast<std::size_t>(c) % activities.size()];
+      // People of a group do different things at a time.
+      const int turn = options_.people > 1 ? c + s : c;
+      clip.activity = activities[static_cast<std::size_t>(turn) % activities.size()];
       clip.subject_seed = Rng(options_.seed, {kPerson, subject}).Bits();
       clip.motion_seed = Rng(options_.seed, {kMotion, subject, static_cast<std::uint64_t>(c)}).Bits();
       clip.fps = fps;
       clip.frames = static_cast<int>(std::lround(options_.seconds * fps));
       clip.subject = fmt::format("person{}-{}", options_.seed, s + 1);
       clip.name = fmt::format("{}-{:03}-{}", clip.subject, c + 1, ActivityName(clip.activity));
-      clips_.push_back({{}, clip});
+      ClipSource& source = clips_.emplace_back(ClipSource{{}, clip, "", "", 0.0});
+      if (options_.people == 1) continue;
+      source.group = fmt::format("group{}-{}", options_.seed, s / options_.people + 1);
+      source.scene = fmt::format("{}-{:03}", source.group, c + 1);
+      source.around = static_cast<double>(s % options_.people) / options_.people;
     }
   }
 }
@@ -261,11 +294,12 @@ SimulatedClip Simulator::Make(int index) const {
   clip.track = MakeLandmarkTrack(clip.motion, source.file.empty() ? clip.motion.name : source.file.string());
   // By name, so that a clip does not depend on the other clips, and held-out clips of a subject are filmed by the same
   // cameras.
-  const std::uint64_t subject = NumberOf(clip.motion.subject);
+  const std::string& filmed_as = source.group.empty() ? clip.motion.subject : source.group;
   const std::uint64_t name = NumberOf(clip.motion.name);
   Place(clip.track, Rng(options_.seed, {kPlacement, name}));
+  if (!source.group.empty()) PlaceInGroup(clip.track, source.around, Rng(options_.seed, {kGroup, name}));
   const std::shared_ptr<const Rig> rig =
-      rig_of_file_ ? rig_of_file_ : MakeRig(options_.rig, Rng(options_.seed, {kRigStream, subject}));
+      rig_of_file_ ? rig_of_file_ : MakeRig(options_.rig, Rng(options_.seed, {kRigStream, NumberOf(filmed_as)}));
   clip.cameras = rig->Film(clip.track, Rng(options_.seed, {kFilming, name}));
   for (std::size_t c = 0; c < clip.cameras.size(); ++c) {
     clip.detections.push_back(Detect(clip.track, clip.cameras[c], layout_, options_.detector,
@@ -275,10 +309,11 @@ SimulatedClip Simulator::Make(int index) const {
 
   clip.sequence.name = clip.motion.name;
   clip.sequence.subject = clip.motion.subject;
+  clip.sequence.scene = source.scene;
   clip.sequence.fps = clip.motion.fps;
   clip.sequence.static_cameras = rig->is_static();
   clip.sequence.capture_is_named = rig->is_static();
-  clip.sequence.capture = rig->is_static() ? CaptureName(clip.motion.subject, clip.cameras) : clip.motion.name;
+  clip.sequence.capture = rig->is_static() ? CaptureName(filmed_as, clip.cameras) : clip.motion.name;
   clip.sequence.frame_count = clip.track.frame_count();
   const std::vector<Eigen::Vector3d> joints_mm = JointPositions(clip.track, layout_);
   for (std::size_t c = 0; c < clip.cameras.size(); ++c) {

@@ -27,6 +27,9 @@ struct SimulationOptions {
   int subjects = 4;
   int clips = 0;  ///< of each subject; 0: one per activity
   double seconds = 10.0;
+  /// How many of the subjects are filmed together, each with an own sequence: subjects 1 to `people`, and so on. They
+  /// stand apart, but walk into each other's way.
+  int people = 1;
 
   /// 0: that of the file, or 50 for procedural people; frames of files are only dropped, never added.
   double fps = 0.0;
@@ -75,6 +78,9 @@ class Simulator {
   struct ClipSource {
     std::filesystem::path file;
     ProceduralClip procedural;
+    std::string group;    ///< of people who are filmed together; empty: alone
+    std::string scene;    ///< the clips of the group at one time
+    double around = 0.0;  ///< where in the group's circle this one is, 0 to 1
   };
 
   void ListProceduralClips();

@@ -209,7 +209,9 @@ std::string Implausible(const Plausibility& plausibility) {
   if (!(plausibility.view_angle_deg >= kMinViewAngleDeg)) {
     return fmt::format(
         "all cameras look along nearly the same line ({:.0f} degrees apart), so depth cannot be found; needs at least "
-        "{:.0f}",
+        "{:.0f}. If they stand farther apart, one probably shows another person: import them with `person`, or "
+        "everybody "
+        "with `person` all",
         plausibility.view_angle_deg, kMinViewAngleDeg);
   }
   const bool bones_vary =

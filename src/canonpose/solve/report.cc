@@ -159,6 +159,40 @@ Json WorldToJson(const CaptureReport& report) {
           {"scale", to_json(report.world.scale, "uncertainty_percent")}};
 }
 
+std::string DescribePeople(const PeopleReport& report) {
+  std::string text =
+      fmt::format("{} ({} {})\n", report.scene, report.people.size(), report.people.size() == 1 ? "person" : "people");
+  for (const PersonReport& person : report.people) {
+    std::vector<std::string> cameras;
+    for (const auto& [camera, frames] : person.frames_of_camera)
+      cameras.push_back(fmt::format("{} {}", camera, frames));
+    text += fmt::format("  {}: {} of {} frames in two cameras or more ({}); off by {:.2f} %, {:.0f} % sure\n",
+                        person.name, person.frames, report.frames, fmt::join(cameras, ", "),
+                        person.reprojection_percent, person.sure_percent);
+  }
+  text += fmt::format("  these are {:.0f} % of what the cameras show\n", report.explained_percent);
+  for (const std::string& line : report.left_out) text += fmt::format("  {}\n", line);
+  return text;
+}
+
+Json PeopleToJson(const PeopleReport& report) {
+  Json people = Json::array();
+  for (const PersonReport& person : report.people) {
+    Json cameras = Json::object();
+    for (const auto& [camera, frames] : person.frames_of_camera) cameras[camera] = frames;
+    people.push_back({{"name", person.name},
+                      {"frames", person.frames},
+                      {"frames_of_camera", std::move(cameras)},
+                      {"reprojection_percent", person.reprojection_percent},
+                      {"sure_percent", person.sure_percent}});
+  }
+  return {{"scene", report.scene},
+          {"frames", report.frames},
+          {"people", std::move(people)},
+          {"left_out", report.left_out},
+          {"explained_percent", report.explained_percent}};
+}
+
 double LargestViewAngle(const CaptureObservations& capture, const RigEstimate& estimate) {
   double largest = 0.0;
   const int step = std::max(1, capture.frame_count / 100);
@@ -266,6 +300,7 @@ std::string SolveReport::Doubt() const {
 
 std::string SolveReport::ToText() const {
   std::string text;
+  for (const PeopleReport& scene : people) text += DescribePeople(scene);
   for (const CaptureReport& capture : captures) {
     text += fmt::format("{} ({} cameras)\n", capture.name, capture.static_cameras ? "static" : "moving");
     if (!capture.failure.empty()) {
@@ -304,6 +339,10 @@ std::string SolveReport::ToText() const {
 
 std::string SolveReport::ToJson() const {
   Json json;
+  if (!people.empty()) {
+    json["people"] = Json::array();
+    for (const PeopleReport& scene : people) json["people"].push_back(PeopleToJson(scene));
+  }
   json["captures"] = Json::array();
   for (const CaptureReport& capture : captures) {
     Json cameras = Json::array();

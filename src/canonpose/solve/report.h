@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "canonpose/scene/pose_sequence.h"
@@ -68,7 +69,27 @@ struct CaptureReport {
   [[nodiscard]] std::string Contradiction() const;
 };
 
+/// Somebody whom several cameras were found to show, and who is a sequence of the result.
+struct PersonReport {
+  std::string name;  ///< of the sequence
+  int frames = 0;    ///< in which two cameras or more show the person
+  std::vector<std::pair<std::string, int>> frames_of_camera;
+  double reprojection_percent = 0.0;  ///< mean error of keypoints, in percent of the sum of bone lengths
+  /// Share of the places in which a camera shows the person that nobody else in its image could take.
+  double sure_percent = 0.0;
+};
+
+/// Who is who in a recording of several people.
+struct PeopleReport {
+  std::string scene;
+  int frames = 0;
+  std::vector<PersonReport> people;   ///< the most prominent first
+  std::vector<std::string> left_out;  ///< what was not taken for a person, one line each
+  double explained_percent = 0.0;     ///< of what the cameras' detector found, those that are somebody of `people`
+};
+
 struct SolveReport {
+  std::vector<PeopleReport> people;  ///< of recordings of several people; set by whoever told them apart
   std::vector<CaptureReport> captures;
   /// Why the poses of some captures cannot be believed although they are solved, and what to do about it: which way
   /// round depth is remained a guess. Empty where nothing speaks against them.

@@ -8,6 +8,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/data/dataset.h"
 #include "canonpose/data/read_scenes.h"
+#include "canonpose/data/solved_scene.h"
 
 namespace canonpose {
 namespace {
@@ -58,11 +59,12 @@ ShownResult ReadShownResult(const std::filesystem::path& path) {
   if (!IsDatasetFile(path)) return result;
   const Dataset dataset = ReadDataset(path);
   for (ShownScene& shown : result.scenes) {
-    const auto sequence = std::ranges::find(dataset.sequences, shown.scene.name, &Sequence::name);
-    if (sequence == dataset.sequences.end()) continue;
-    shown.capture = sequence->capture;
-    if (shown.scene.people.size() != 1) continue;
-    shown.detections = {KeypointsOf(*sequence, shown.scene)};
+    const std::vector<const Sequence*> sequences = SequencesOf(dataset, shown.scene);
+    if (sequences.empty()) continue;
+    shown.capture = sequences.front()->capture;
+    if (shown.scene.people.size() != sequences.size()) continue;
+    shown.detections.clear();
+    for (const Sequence* sequence : sequences) shown.detections.push_back(KeypointsOf(*sequence, shown.scene));
     // What the cameras saw now stands at the scene's frames.
     for (SceneCamera& camera : shown.scene.cameras) camera.time_offset_seconds = 0.0;
   }

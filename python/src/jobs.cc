@@ -191,7 +191,8 @@ void AddSolve(py::module_& module) {
       [](const DataArguments& data, const std::optional<fs::path>& model, const std::string& start,
          const std::string& mirror, const std::string& frames, int threads, std::uint64_t seed,
          const std::string& device, const Heights& height, const CameraDistances& camera_distances,
-         bool calibrated_scale, const py::object& progress) {
+         bool calibrated_scale, const std::string& distortion, const std::vector<std::vector<std::string>>& same_lens,
+         const py::object& progress) {
         BootstrapOptions bootstrap;
         bootstrap.kind = start;
         bootstrap.model = model.value_or("");
@@ -203,17 +204,21 @@ void AddSolve(py::module_& module) {
         options.threads = threads;
         options.measures = MeasuresOf(height, camera_distances);
         options.calibrated_scale = calibrated_scale;
+        options.distortion = distortion;
+        options.same_lens = same_lens;
         return Result({progress}, [&] { return RunSolve(data, bootstrap, options, frames); });
       },
       py::arg("data"), py::kw_only(), py::arg("model") = py::none(), py::arg("bootstrap") = "auto",
       py::arg("mirror") = "auto", py::arg("frames") = "", py::arg("threads") = 0, py::arg("seed") = 0,
       py::arg("device") = "cpu", py::arg("height") = py::none(), py::arg("camera_distances") = CameraDistances(),
-      py::arg("calibrated_scale") = false, py::arg("progress") = py::none(),
+      py::arg("calibrated_scale") = false, py::arg("distortion") = "auto",
+      py::arg("same_lens") = std::vector<std::vector<std::string>>(), py::arg("progress") = py::none(),
       "Finds the 3D poses and the cameras of recordings from keypoints alone. `data`: a dataset or the path of one, or "
       "several that are solved together; they stay as they are. For millimetres: `height` in metres of the person, or "
-      "{name: metres}; or `camera_distances`, {(camera, camera): metres}; or `calibrated_scale`. `progress(label, "
-      "done, total, detail)` is called now "
-      "and then; what it raises stops the work. See docs/solve.md.");
+      "{name: metres}; or `camera_distances`, {(camera, camera): metres}; or `calibrated_scale`. `distortion`: "
+      "'auto', of the lenses where the keypoints show it, or 'none'; `same_lens`: lists of cameras that share a lens. "
+      "`progress(label, done, total, detail)` is called now and then; what it raises stops the work. See "
+      "docs/solve.md.");
 }
 
 /// Datasets in memory are evaluated from files, too.

@@ -34,6 +34,7 @@ struct SolveArguments {
   std::string frames;
   std::vector<std::string> heights;
   std::vector<std::string> camera_distances;
+  std::vector<std::string> same_lens;
   BootstrapOptions bootstrap;
   SolveOptions options;
 };
@@ -57,6 +58,7 @@ SolveOptions Options(const SolveArguments& arguments) {
   for (const std::string& text : arguments.camera_distances) {
     options.measures.distances.push_back(KnownDistance::Parse(text));
   }
+  for (const std::string& text : arguments.same_lens) options.same_lens.push_back(CLI::detail::split(text, ','));
   options.Validate();
   return options;
 }
@@ -127,6 +129,14 @@ void AddSolveCommand(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_flag("--calibrated-scale", arguments->options.calibrated_scale,
                     "Instead, take the scale from the calibration that the data were imported with");
+  command
+      ->add_option("--distortion", arguments->options.distortion,
+                   "Of the lenses of static cameras. auto: found where the keypoints show it; none: there is none")
+      ->capture_default_str();
+  command
+      ->add_option("--same-lens", arguments->same_lens,
+                   "Cameras of one model, which share their distortion: A,B,C (again for another model), or all")
+      ->allow_extra_args(false);
   command->add_option("--frames", arguments->frames, "Solve frames A-B of each sequence only, counted from 0");
   command->add_option("--json", arguments->json, "Also write the report to this file, as JSON");
   command->add_option("--device", arguments->bootstrap.device, "cpu or cuda")->capture_default_str();

@@ -19,6 +19,15 @@ double AngleDeg(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   return DegFromRad(2.0 * std::asin(std::min(1.0, (a - b).norm() / std::sqrt(8.0))));
 }
 
+/// Of an image whose optical axis is in its middle. Where a lens's distortion has no inverse at the edge, that of the
+/// same lens without distortion.
+double VerticalFovDeg(const Camera& camera, int image_height_px) {
+  const double half_height_px = 0.5 * image_height_px;
+  const Eigen::Vector2d edge_px(camera.K(0, 2), camera.K(1, 2) + half_height_px);
+  const double tangent = camera.Undistort(edge_px).y();
+  return DegFromRad(2.0 * std::atan(std::isfinite(tangent) ? tangent : half_height_px / camera.K(1, 1)));
+}
+
 double Mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
@@ -39,13 +48,11 @@ void CameraComparison::AddFrame(const Sequence& sequence, int frame) {
     const Camera& solved = view.SolvedCalibrationAt(frame);
     const Camera& truth = view.CalibrationAt(frame);
     focals_percent_.push_back(100.0 * std::abs(solved.K(0, 0) / truth.K(0, 0) - 1.0));
-    const auto vertical_fov = [&](const Camera& camera) {
-      return DegFromRad(2.0 * std::atan(view.image_size[1] / (2.0 * camera.K(1, 1))));
-    };
-    fovs_deg_.push_back(std::abs(vertical_fov(solved) - vertical_fov(truth)));
+    const int height_px = view.image_size[1];
+    fovs_deg_.push_back(std::abs(VerticalFovDeg(solved, height_px) - VerticalFovDeg(truth, height_px)));
     pairs.Add(solved, truth);
     is_metric = is_metric && view.solved.unit == LengthUnit::kMillimetres;
-    const Eigen::Vector3d axis = truth.K.inverse() * solved.K.col(2);
+    const Eigen::Vector3d axis = truth.Undistort(solved.K.col(2).head<2>()).homogeneous();
     const Pair now{solved.camera_from_world_rotation, truth.camera_from_world_rotation,
                    RotationOntoAxis(axis) * truth.camera_from_world_rotation};
     for (const Pair& other : before) {

@@ -18,7 +18,7 @@ struct CameraErrors {
   double focal_percent = 0.0;  ///< of the focal length
   /// AE: as relative_rotation_deg, the mean over pairs.
   double angle_deg = 0.0;
-  /// The mean difference of the vertical fields of view.
+  /// The mean difference of the vertical fields of view, through lenses as they distort.
   double vertical_fov_deg = 0.0;
   /// TE: the distance of the camera centres, after the rotation and translation that take the solved ones best to the
   /// true ones (of each frame, where cameras move). Nothing where the solved unit is not millimetres.

@@ -67,6 +67,22 @@ TEST(CameraComparisonTest, AnOffCentreLensIsARotatedCamera) {
   EXPECT_NEAR(comparison.Medians()->centred_rotation_deg, 0.0, 1e-6);
 }
 
+TEST(CameraComparisonTest, FieldsOfViewAreThoseOfTheLenses) {
+  Dataset dataset = TwoCameras();
+  for (CameraView& view : dataset.sequences[0].cameras) {
+    view.image_size = {1600, 1000};
+    view.solved_calibration = view.calibration;  // optical axis at pixel (0, 0), focal length 1000 px
+    // The edge, at 500 px, is seen by a ray of slope x with x - 0.2 x^3 = 0.5: 0.531...
+    view.calibration[0].distortion = {-0.2, 0.0, 0.0, 0.0, 0.0};
+  }
+  CameraComparison comparison;
+  comparison.Add(dataset);
+  double slope = 0.5;
+  for (int i = 0; i < 100; ++i) slope = 0.5 + 0.2 * slope * slope * slope;
+  EXPECT_NEAR(comparison.Medians()->vertical_fov_deg, DegFromRad(2.0 * (std::atan(slope) - std::atan(0.5))), 1e-9);
+  EXPECT_NEAR(comparison.Medians()->centred_rotation_deg, 0.0, 1e-6);
+}
+
 /// Three cameras at the corners of a triangle, solved exactly in another frame and with another scale.
 Dataset ThreePlacedCameras(double scale, LengthUnit unit) {
   Dataset dataset = TwoCameras();

@@ -1,6 +1,7 @@
 #include "canonpose/solve/adjustment.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -21,30 +22,33 @@ namespace {
 /// How far the logarithm of a view's image scale may be from the start's.
 constexpr double kLogScale = 0.3;
 
-/// Builds the problem term by term; Adjust() below is the outline.
+/// Builds the problem term by term; Run() is the outline.
 class AdjustmentProblem {
  public:
   AdjustmentProblem(const CaptureObservations& capture, std::span<const int> frames, const AdjustmentOptions& options,
-                    RigEstimate& estimate)
+                    CaptureLenses* lenses, RigEstimate& estimate)
       : capture_(capture),
         frames_(frames),
         runs_(RunsOf(capture, frames)),
         options_(options),
+        lenses_(lenses),
         estimate_(estimate),
         problem_(ProblemOptions()),
         observation_loss_(options.loss_scale),
         acceleration_loss_(1.5) {}
 
+  AdjustmentSummary Run();
+
+ private:
   void AddObservations();
   void AddBones();
   void AddUnit();
   void AddAccelerations();
   void AddCameraMotion();
   void AddFocalPriors();
+  void AddLensPriors();
   void FixWhatIsKnown();
   AdjustmentSummary Solve();
-
- private:
   static ceres::Problem::Options ProblemOptions() {
     ceres::Problem::Options options;
     options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -58,6 +62,7 @@ class AdjustmentProblem {
   [[nodiscard]] bool FollowsRun(std::size_t i, std::size_t length) const {
     return i + 1 >= length && runs_[i] == runs_[i + 1 - length];
   }
+  void AddFreeObservation(int frame, int view, int joint, double weight);
   void AddFreeObservations(int frame, int view, double weight);
   void AddKnownObservations(int frame, int joint);
   [[nodiscard]] double ObservationWeight(int frame, int view) const {
@@ -68,6 +73,7 @@ class AdjustmentProblem {
   std::span<const int> frames_;
   std::vector<int> runs_;
   const AdjustmentOptions& options_;
+  CaptureLenses* lenses_;  ///< null: those that keypoints have been undistorted with
   RigEstimate& estimate_;
   ceres::Problem problem_;
   ceres::CauchyLoss observation_loss_;
@@ -76,17 +82,30 @@ class AdjustmentProblem {
   bool has_observations_ = false;
 };
 
-void AdjustmentProblem::AddFreeObservations(int frame, int view, double weight) {
+void AdjustmentProblem::AddFreeObservation(int frame, int view, int joint, double weight) {
   CameraEstimate& camera = estimate_.CameraAt(frame, view);
+  const Eigen::Vector2d observed = capture_.At(frame, view, joint);
+  if (lenses_ == nullptr) {
+    ceres::CostFunction* term = estimate_.static_cameras ? ReprojectionTerm<false>::Create(observed, weight)
+                                                         : ReprojectionTerm<true>::Create(observed, weight);
+    problem_.AddResidualBlock(term, &observation_loss_, camera.quaternion.data(), camera.placement.data(),
+                              &camera.log_focal, JointData(frame, joint));
+    return;
+  }
+  const auto v = static_cast<std::size_t>(view);
+  const Eigen::Vector2d recorded = capture_.cameras[v].lens.Distort(observed);
+  RadialLens& lens = lenses_->lenses[static_cast<std::size_t>(lenses_->of_view[v])];
+  ceres::CostFunction* term = estimate_.static_cameras ? LensReprojectionTerm<false>::Create(recorded, weight)
+                                                       : LensReprojectionTerm<true>::Create(recorded, weight);
+  problem_.AddResidualBlock(term, &observation_loss_, camera.quaternion.data(), camera.placement.data(),
+                            &camera.log_focal, JointData(frame, joint), lens.at_corner.data());
+}
+
+void AdjustmentProblem::AddFreeObservations(int frame, int view, double weight) {
   for (int j = 0; j < capture_.joint_count(); ++j) {
     if (!capture_.Sees(frame, view, j) || !IsSolved(frame, j)) continue;
-    const double joint_weight =
-        weight / options_.scales.observation.Scatter(j, capture_.confidence[capture_.Index(frame, view, j)]);
-    const Eigen::Vector2d observed = capture_.At(frame, view, j);
-    ceres::CostFunction* term = estimate_.static_cameras ? ReprojectionTerm<false>::Create(observed, joint_weight)
-                                                         : ReprojectionTerm<true>::Create(observed, joint_weight);
-    problem_.AddResidualBlock(term, &observation_loss_, camera.quaternion.data(), camera.placement.data(),
-                              &camera.log_focal, JointData(frame, j));
+    const double confidence = capture_.confidence[capture_.Index(frame, view, j)];
+    AddFreeObservation(frame, view, j, weight / options_.scales.observation.Scatter(j, confidence));
     has_observations_ = true;
   }
 }
@@ -220,6 +239,26 @@ void AdjustmentProblem::AddFocalPriors() {
   }
 }
 
+void AdjustmentProblem::AddLensPriors() {
+  if (lenses_ == nullptr) return;
+  const auto weights = [](const std::array<double, 2>& scatter, double factor) {
+    return Eigen::Vector2d(factor / scatter[0], factor / scatter[1]);
+  };
+  std::vector<double*> found;
+  for (RadialLens& lens : lenses_->lenses) {
+    if (problem_.HasParameterBlock(lens.at_corner.data())) found.push_back(lens.at_corner.data());
+  }
+  // However many lenses there are, the differences of each from the others weigh as much as from two.
+  const double share = std::sqrt(2.0 / std::max(1.0, static_cast<double>(found.size()) - 1.0));
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    problem_.AddResidualBlock(LensPriorTerm::Create(weights(options_.scales.lens, 1.0)), nullptr, found[i]);
+    for (std::size_t k = 0; k < i; ++k) {
+      problem_.AddResidualBlock(LensDifferenceTerm::Create(weights(options_.scales.lens_between_cameras, share)),
+                                nullptr, found[i], found[k]);
+    }
+  }
+}
+
 void AdjustmentProblem::FixWhatIsKnown() {
   if (options_.free_cameras) {
     for (const int frame : frames_) {
@@ -264,6 +303,18 @@ AdjustmentSummary Summarise(const ceres::Solver::Summary& found) {
   return summary;
 }
 
+AdjustmentSummary AdjustmentProblem::Run() {
+  AddObservations();
+  AddBones();
+  AddUnit();
+  AddAccelerations();
+  AddCameraMotion();
+  AddFocalPriors();
+  AddLensPriors();
+  FixWhatIsKnown();
+  return Solve();
+}
+
 AdjustmentSummary AdjustmentProblem::Solve() {
   if (!has_observations_) return {.reason = "no camera whose pose is known sees a joint whose position is known"};
   ceres::Solver::Options options = SerialOptions(ceres::SPARSE_NORMAL_CHOLESKY, options_.iterations);
@@ -300,15 +351,13 @@ const char* NameOf(AdjustmentEnding ending) {
 
 AdjustmentSummary Adjust(const CaptureObservations& capture, std::span<const int> frames,
                          const AdjustmentOptions& options, RigEstimate& estimate) {
-  AdjustmentProblem problem(capture, frames, options, estimate);
-  problem.AddObservations();
-  problem.AddBones();
-  problem.AddUnit();
-  problem.AddAccelerations();
-  problem.AddCameraMotion();
-  problem.AddFocalPriors();
-  problem.FixWhatIsKnown();
-  return problem.Solve();
+  return AdjustmentProblem(capture, frames, options, nullptr, estimate).Run();
+}
+
+AdjustmentSummary AdjustWithLenses(const CaptureObservations& capture, std::span<const int> frames,
+                                   const AdjustmentOptions& options, CaptureLenses& lenses, RigEstimate& estimate) {
+  CANONPOSE_CHECK(options.free_cameras && lenses.of_view.size() == capture.cameras.size(), "{}", lenses.of_view.size());
+  return AdjustmentProblem(capture, frames, options, &lenses, estimate).Run();
 }
 
 }  // namespace canonpose

@@ -12,12 +12,15 @@
 //     + sum over n, v         ( |w_nv| / sigma_w )^2 + ( |w_nv - w_n-1v| fps / sigma_a )^2    they rotate evenly
 //     + sum over n, v         ( log(f_nv / f_n-1v) / sigma_zoom )^2 fps                       and zoom slowly
 //     + sum over n, v         ( log(s_nv / s_nv at the start) / sigma_scale )^2               weak, against drift
+//   lenses to be found:
+//     + sum over lenses, i    ( c_li / sigma_c_i )^2                                          they distort little
+//     + sum over pairs l, m   ( (c_li - c_mi) / sigma_cb_i )^2 2 / (lenses - 1)               and alike
 // clang-format on
 //
 // n counts frames, v views, j joints; x are keypoints, X joints. rho is Cauchy's loss, a^2 log(1 + e^2 / a^2), and
 // huber Huber's. s_nv is the image scale of a body unit, so that errors count in the body's size; sigma_nvj the scatter
 // of the joint at its confidence; w_nv the angular velocity of a camera in rad/s. Where cameras move, the focal lengths
-// of all frames together count as much as the one of a static camera.
+// of all frames together count as much as the one of a static camera. c_l are the two coefficients of a lens (lens.h).
 //
 // The unknowns are the joints and, unless AdjustmentOptions holds them fixed, the cameras and the bone lengths L_b.
 // Smoothness couples a frame to its neighbours, and only a few parameters are shared by all frames, so the normal
@@ -25,11 +28,13 @@
 // number of frames.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "canonpose/solve/lens.h"
 #include "canonpose/solve/noise_model.h"
 #include "canonpose/solve/observations.h"
 #include "canonpose/solve/rig_estimate.h"
@@ -47,6 +52,9 @@ struct AdjustmentScales {
   double log_focal = 0.7;        ///< of the logarithm of the focal length
   double log_focal_between_cameras = 0.1;  ///< static cameras of a capture are alike
   std::vector<double> expected_log_focal;  ///< (V); empty: 0, an image diagonal
+  /// Of RadialLens::at_corner; the second pair is that of differences between lenses of one capture.
+  std::array<double, 2> lens{0.15, 0.05};
+  std::array<double, 2> lens_between_cameras{0.05, 0.02};
 };
 
 /// Of Cauchy's loss, in units of the observation's scatter.
@@ -86,6 +94,17 @@ struct [[nodiscard]] AdjustmentSummary {
 /// Numerical failures are not thrown but reported in the summary.
 AdjustmentSummary Adjust(const CaptureObservations& capture, std::span<const int> frames,
                          const AdjustmentOptions& options, RigEstimate& estimate);
+
+/// The lenses of a capture.
+struct CaptureLenses {
+  std::vector<RadialLens> lenses;
+  std::vector<int> of_view;  ///< (V) index into `lenses`; cameras of one model share theirs
+};
+
+/// Adjust() with free cameras, whose lenses are found, too. Keypoints are compared as the cameras recorded them,
+/// distorted, so that it does not matter what ObservedCamera::lens they have been undistorted with.
+AdjustmentSummary AdjustWithLenses(const CaptureObservations& capture, std::span<const int> frames,
+                                   const AdjustmentOptions& options, CaptureLenses& lenses, RigEstimate& estimate);
 
 /// Numbers the runs of consecutive frames of one clip in `frames`: for each element, the number of its run.
 std::vector<int> RunsOf(const CaptureObservations& capture, std::span<const int> frames);

@@ -52,6 +52,18 @@ inline void SeeJoints(const RigEstimate& truth, double noise, std::uint64_t seed
   }
 }
 
+/// What cameras with these lenses (V) see instead.
+inline void SeeThrough(const std::vector<RadialLens>& lenses, CaptureObservations& capture) {
+  for (int n = 0; n < capture.frame_count; ++n) {
+    for (int v = 0; v < capture.view_count(); ++v) {
+      for (int j = 0; j < capture.joint_count(); ++j) {
+        const Eigen::Vector2d distorted = lenses[static_cast<std::size_t>(v)].Distort(capture.At(n, v, j));
+        Eigen::Map<Eigen::Vector2f>(&capture.xy[2 * capture.Index(n, v, j)]) = distorted.cast<float>();
+      }
+    }
+  }
+}
+
 /// Hides a joint from a view in a frame.
 inline void Hide(CaptureObservations& capture, int frame, int view, int joint) {
   const std::size_t i = capture.Index(frame, view, joint);

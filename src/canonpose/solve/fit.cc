@@ -117,13 +117,18 @@ BlockMean MeanOverBlocks(const CaptureObservations& capture, std::span<const int
 
 double Preference(const CaptureObservations& capture, std::span<const int> frames, const Solution& a,
                   const Solution& b) {
-  const NoiseModel& noise =
-      a.scales.observation.Typical() < b.scales.observation.Typical() ? a.scales.observation : b.scales.observation;
-  const std::vector<double> of_a = FrameCosts(capture, frames, a.estimate, noise);
-  const std::vector<double> of_b = FrameCosts(capture, frames, b.estimate, noise);
+  return Preference({capture, a}, {capture, b}, frames);
+}
+
+double Preference(const Explanation& a, const Explanation& b, std::span<const int> frames) {
+  const NoiseModel& of_a = a.solution.scales.observation;
+  const NoiseModel& of_b = b.solution.scales.observation;
+  const NoiseModel& noise = of_a.Typical() < of_b.Typical() ? of_a : of_b;
+  const std::vector<double> costs_of_a = FrameCosts(a.capture, frames, a.solution.estimate, noise);
+  const std::vector<double> costs_of_b = FrameCosts(b.capture, frames, b.solution.estimate, noise);
   std::vector<double> differences;
-  for (std::size_t i = 0; i < frames.size(); ++i) differences.push_back(of_b[i] - of_a[i]);
-  const BlockMean difference = MeanOverBlocks(capture, frames, differences);
+  for (std::size_t i = 0; i < frames.size(); ++i) differences.push_back(costs_of_b[i] - costs_of_a[i]);
+  const BlockMean difference = MeanOverBlocks(a.capture, frames, differences);
   return difference.blocks < 2 ? 0.0 : difference.mean / std::sqrt(difference.variance + 1e-12);
 }
 

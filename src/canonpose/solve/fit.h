@@ -105,4 +105,13 @@ BlockMean MeanOverBlocks(const CaptureObservations& capture, std::span<const int
 double Preference(const CaptureObservations& capture, std::span<const int> frames, const Solution& a,
                   const Solution& b);
 
+/// A solution and the keypoints that it explains.
+struct Explanation {
+  const CaptureObservations& capture;
+  const Solution& solution;
+};
+
+/// The same of solutions to different readings of the same keypoints, such as undistorted ones.
+double Preference(const Explanation& a, const Explanation& b, std::span<const int> frames);
+
 }  // namespace canonpose

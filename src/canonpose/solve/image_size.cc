@@ -89,6 +89,7 @@ std::vector<CaptureObservations> WorthTrying(const CaptureObservations& capture,
 
 void SetImageSize(CaptureObservations& capture, int view, const std::array<int, 2>& size_px) {
   ObservedCamera& camera = capture.cameras[static_cast<std::size_t>(view)];
+  SetLens(capture, view, {});  // a lens's coefficients are about the middle of the image and relative to its size
   const ObservedCamera before = camera;
   camera.image_size_px = size_px;
   camera.diagonal_px = std::hypot(size_px[0], size_px[1]);

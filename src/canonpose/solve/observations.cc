@@ -197,6 +197,20 @@ CaptureObservations SingleFrame(const CaptureObservations& capture, std::span<co
   return single;
 }
 
+void SetLens(CaptureObservations& capture, int view, const RadialLens& lens) {
+  RadialLens& current = capture.cameras[static_cast<std::size_t>(view)].lens;
+  if (lens == current) return;
+  for (int n = 0; n < capture.frame_count; ++n) {
+    for (int j = 0; j < capture.joint_count(); ++j) {
+      const Eigen::Vector2d undistorted = lens.Undistort(current.Distort(capture.At(n, view, j)));
+      const std::size_t i = 2 * capture.Index(n, view, j);
+      capture.xy[i] = static_cast<float>(undistorted.x());
+      capture.xy[i + 1] = static_cast<float>(undistorted.y());
+    }
+  }
+  current = lens;
+}
+
 bool HasSameKeypoints(const CaptureObservations& a, const CaptureObservations& b) {
   const auto is_same = [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); };
   return a.confidence == b.confidence && std::ranges::equal(a.xy, b.xy, is_same);

@@ -13,6 +13,7 @@
 
 #include "canonpose/data/dataset.h"
 #include "canonpose/geometry/points.h"
+#include "canonpose/solve/lens.h"
 
 namespace canonpose {
 
@@ -40,6 +41,7 @@ struct ObservedCamera {
   std::array<int, 2> declared_size_px{0, 0};  ///< in the dataset; another where that was found to be wrong
   /// Normalised image coordinates are (pixel - image centre) / diagonal_px; focal lengths, too, are in image diagonals.
   double diagonal_px = 0.0;
+  RadialLens lens{};  ///< that CaptureObservations::xy have been undistorted with
 };
 
 /// F frames of V cameras that belong together: all clips of the same static cameras, or one clip of moving ones.
@@ -53,7 +55,7 @@ struct CaptureObservations {
   std::vector<ClipRange> clips;
   std::vector<std::string> subjects;
   int frame_count = 0;
-  std::vector<float> xy;          ///< (F, V, J, 2) normalised; NaN where not detected
+  std::vector<float> xy;          ///< (F, V, J, 2) normalised, undistorted; NaN where not detected
   std::vector<float> confidence;  ///< (F, V, J) 0 where not detected
   /// (F, V, J, 3) StartPoses of unit norm; NaN where there is none, at the root for joints that the start does not
   /// know.
@@ -90,6 +92,9 @@ CaptureObservations SingleClip(const CaptureObservations& capture, int clip);
 /// A capture of one frame that shows the keypoints which view v has in frame `frame_of_view[v]` (V); none where that is
 /// negative. It has no clips and no start poses.
 CaptureObservations SingleFrame(const CaptureObservations& capture, std::span<const int> frame_of_view);
+
+/// Undistorts the keypoints of a view with another lens than before.
+void SetLens(CaptureObservations& capture, int view, const RadialLens& lens);
 
 /// Whether two captures of the same frames and cameras have the same keypoints, those that are not seen included.
 bool HasSameKeypoints(const CaptureObservations& a, const CaptureObservations& b);

@@ -19,6 +19,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kOutlierScatters = 5.0;
+/// A lens that moves the image's corner by less is not worth a line.
+constexpr double kNegligiblePx = 1.0;
 /// Good captures have up to 11 %.
 constexpr double kManyOutliersPercent = 12.0;
 /// Two of four moving cameras at half the frame rate have 21 to 29 %, static ones 13 % and more; of the latter, those
@@ -44,6 +46,7 @@ CameraReport DescribeCamera(const CaptureObservations& capture, const Solution& 
   }
   report.used = !focal_px.empty();
   report.focal_px = Median(std::move(focal_px));
+  report.corner_shift_px = 0.5 * observed.diagonal_px * observed.lens.CornerShift();
   report.outlier_percent =
       errors.empty() ? 0.0 : 100.0 * static_cast<double>(outliers) / static_cast<double>(errors.size());
   report.reprojection_percent = 100.0 * Median(std::move(errors));
@@ -320,6 +323,11 @@ std::string SolveReport::ToText() const {
                   : fmt::format("  {:<11} not used{}{}\n", camera.name, camera.why_not_used.empty() ? "" : ": ",
                                 camera.why_not_used);
     }
+    for (const CameraReport& camera : capture.cameras) {
+      if (!camera.used || std::abs(camera.corner_shift_px) < kNegligiblePx) continue;
+      text += fmt::format("  {:<11} the lens moves the corner of the image {} by {:.0f} px\n", camera.name,
+                          camera.corner_shift_px < 0.0 ? "inwards" : "outwards", std::abs(camera.corner_shift_px));
+    }
     for (const OffsetReport& offset : capture.offsets) {
       text += fmt::format("  {:<11} {} frames {} than the others in clip {}\n", offset.camera, std::abs(offset.frames),
                           offset.frames < 0 ? "later" : "earlier", offset.clip + 1);
@@ -353,6 +361,7 @@ std::string SolveReport::ToJson() const {
       if (!camera.why_not_used.empty()) one["why_not_used"] = camera.why_not_used;
       if (camera.used) {
         one["focal_px"] = camera.focal_px;
+        one["corner_shift_px"] = camera.corner_shift_px;
         one["reprojection_percent"] = camera.reprojection_percent;
         one["outlier_percent"] = camera.outlier_percent;
       }

@@ -19,7 +19,10 @@ namespace canonpose {
 /// What was found about a camera of a capture.
 struct CameraReport {
   std::string name;
-  double focal_px = 0.0;              ///< the median over frames, where it changes
+  double focal_px = 0.0;  ///< the median over frames, where it changes
+  /// How far outwards its lens moves a point that it would show in the image's corner without distortion; negative:
+  /// inwards; 0 where no distortion was found.
+  double corner_shift_px = 0.0;
   double reprojection_percent = 0.0;  ///< median error of keypoints, in percent of the sum of bone lengths
   double outlier_percent = 0.0;       ///< of keypoints, those off by more than five times their usual scatter
   bool used = true;

@@ -74,6 +74,20 @@ TEST(Report, JsonHasTheAdjustments) {
   EXPECT_EQ(json["windows"]["failures"][0]["frames"], 20);
 }
 
+TEST(Report, SaysWhatTheLensesDo) {
+  HalfSolved half;
+  half.rig.capture.cameras[1].lens = {{-0.2, 0.05}};  // of half a diagonal of 707 px: 106 px
+  half.rig.capture.cameras[2].lens = {{0.03, 0.0}};
+  half.rig.capture.cameras[3].lens = {{0.001, 0.0}};
+  const CaptureReport report = MakeReport(half.rig.capture, half.solution, half.windows, "auto");
+  const std::string text = SolveReport{{report}}.ToText();
+  EXPECT_THAT(text, HasSubstr("  camera1     the lens moves the corner of the image inwards by 106 px\n"));
+  EXPECT_THAT(text, HasSubstr("  camera2     the lens moves the corner of the image outwards by 21 px\n"));
+  EXPECT_THAT(text, Not(HasSubstr("camera0     the lens")));
+  EXPECT_THAT(text, Not(HasSubstr("camera3     the lens")));  // less than a pixel
+  EXPECT_NEAR(JsonOf(report)["cameras"][1]["corner_shift_px"], -0.15 * std::hypot(500.0, 500.0), 1e-9);
+}
+
 TEST(Report, OfACaptureThatFailedSaysHowFarItCame) {
   CaptureReport report;
   report.failure = "the cameras could not be found: nothing to start from";

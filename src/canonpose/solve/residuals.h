@@ -16,8 +16,30 @@ namespace canonpose {
 /// solver puts one behind a camera.
 inline constexpr double kMinDepth = 0.02;
 
+/// Where a camera without distortion shows a joint, normalised image coordinates. kRootCentred: cameras move, and
+/// placement is (root x, root y, log scale). False where that cannot be computed: the solver takes a smaller step.
+template <bool kRootCentred, typename T>
+bool ProjectJoint(const T* quaternion, const T* placement, const T* log_focal, const T* joint, T* projected) {
+  using std::exp;
+  T p[3];
+  ceres::QuaternionRotatePoint(quaternion, joint, p);
+  const T focal = exp(*log_focal);
+  if constexpr (kRootCentred) {
+    const T scale = exp(placement[2]);
+    if (!(scale > T(1e-9)) || !(scale < T(1e9))) return false;
+    p[0] += placement[0] / scale;
+    p[1] += placement[1] / scale;
+    p[2] += focal / scale;
+  } else {
+    for (int i = 0; i < 3; ++i) p[i] += placement[i];
+  }
+  const T depth = p[2] < T(kMinDepth) ? T(kMinDepth) : p[2];
+  for (int i = 0; i < 2; ++i) projected[i] = focal * p[i] / depth;
+  return true;
+}
+
 /// weight * (projected - observed), 2 residuals; parameters quaternion (4), placement (3), log focal length (1), joint
-/// (3). kRootCentred: cameras move, and placement is (root x, root y, log scale).
+/// (3).
 template <bool kRootCentred>
 struct ReprojectionTerm {
   Eigen::Vector2d observed;
@@ -25,25 +47,37 @@ struct ReprojectionTerm {
 
   template <typename T>
   bool operator()(const T* quaternion, const T* placement, const T* log_focal, const T* joint, T* residual) const {
-    using std::exp;
-    T p[3];
-    ceres::QuaternionRotatePoint(quaternion, joint, p);
-    const T focal = exp(*log_focal);
-    if constexpr (kRootCentred) {
-      const T scale = exp(placement[2]);
-      if (!(scale > T(1e-9)) || !(scale < T(1e9))) return false;  // the solver takes a smaller step
-      p[0] += placement[0] / scale;
-      p[1] += placement[1] / scale;
-      p[2] += focal / scale;
-    } else {
-      for (int i = 0; i < 3; ++i) p[i] += placement[i];
-    }
-    const T depth = p[2] < T(kMinDepth) ? T(kMinDepth) : p[2];
-    for (int i = 0; i < 2; ++i) residual[i] = weight * (focal * p[i] / depth - observed[i]);
+    T projected[2];
+    if (!ProjectJoint<kRootCentred>(quaternion, placement, log_focal, joint, projected)) return false;
+    for (int i = 0; i < 2; ++i) residual[i] = weight * (projected[i] - observed[i]);
     return true;
   }
   static ceres::CostFunction* Create(const Eigen::Vector2d& observed, double weight) {
     return new ceres::AutoDiffCostFunction<ReprojectionTerm, 2, 4, 3, 1, 3>(new ReprojectionTerm{observed, weight});
+  }
+};
+
+/// The same through a lens that distorts: weight * (distorted - observed), where `observed` is distorted, too; a fifth
+/// parameter is RadialLens::at_corner (2).
+template <bool kRootCentred>
+struct LensReprojectionTerm {
+  Eigen::Vector2d observed;
+  double weight;
+
+  template <typename T>
+  bool operator()(const T* quaternion, const T* placement, const T* log_focal, const T* joint, const T* at_corner,
+                  T* residual) const {
+    constexpr double kSquaredCorner = 0.25;
+    T projected[2];
+    if (!ProjectJoint<kRootCentred>(quaternion, placement, log_focal, joint, projected)) return false;
+    const T square = (projected[0] * projected[0] + projected[1] * projected[1]) / kSquaredCorner;
+    const T factor = 1.0 + square * (at_corner[0] + square * at_corner[1]);
+    for (int i = 0; i < 2; ++i) residual[i] = weight * (factor * projected[i] - observed[i]);
+    return true;
+  }
+  static ceres::CostFunction* Create(const Eigen::Vector2d& observed, double weight) {
+    return new ceres::AutoDiffCostFunction<LensReprojectionTerm, 2, 4, 3, 1, 3, 2>(
+        new LensReprojectionTerm{observed, weight});
   }
 };
 
@@ -244,6 +278,34 @@ struct PriorTerm {
   }
   static ceres::CostFunction* Create(double expected, double weight) {
     return new ceres::AutoDiffCostFunction<PriorTerm, 1, 1>(new PriorTerm{expected, weight});
+  }
+};
+
+/// weights * RadialLens::at_corner, 2 residuals.
+struct LensPriorTerm {
+  Eigen::Vector2d weights;
+
+  template <typename T>
+  bool operator()(const T* at_corner, T* residual) const {
+    for (int i = 0; i < 2; ++i) residual[i] = weights[i] * at_corner[i];
+    return true;
+  }
+  static ceres::CostFunction* Create(const Eigen::Vector2d& weights) {
+    return new ceres::AutoDiffCostFunction<LensPriorTerm, 2, 2>(new LensPriorTerm{weights});
+  }
+};
+
+/// weights * the difference of RadialLens::at_corner of two lenses, 2 residuals.
+struct LensDifferenceTerm {
+  Eigen::Vector2d weights;
+
+  template <typename T>
+  bool operator()(const T* a, const T* b, T* residual) const {
+    for (int i = 0; i < 2; ++i) residual[i] = weights[i] * (b[i] - a[i]);
+    return true;
+  }
+  static ceres::CostFunction* Create(const Eigen::Vector2d& weights) {
+    return new ceres::AutoDiffCostFunction<LensDifferenceTerm, 2, 2, 2>(new LensDifferenceTerm{weights});
   }
 };
 

@@ -10,6 +10,8 @@
 #include <ceres/manifold.h>
 #include <gtest/gtest.h>
 
+#include "canonpose/solve/lens.h"
+
 namespace canonpose {
 namespace {
 
@@ -44,6 +46,30 @@ TEST(Residuals, ReprojectionOfStaticCamera) {
 TEST(Residuals, ReprojectionOfMovingCamera) {
   const std::unique_ptr<ceres::CostFunction> term(ReprojectionTerm<true>::Create({0.1, -0.2}, 30.0));
   ExpectRightJacobians(*term, {Quaternion(-1.1, {3, 1, 2}), {0.05, -0.1, -0.8}, {0.4}, {0.1, 0.2, -0.15}});
+}
+
+TEST(Residuals, ReprojectionThroughALens) {
+  const std::unique_ptr<ceres::CostFunction> of_static(LensReprojectionTerm<false>::Create({0.1, -0.2}, 30.0));
+  ExpectRightJacobians(*of_static,
+                       {Quaternion(0.7, {1, 2, 3}), {0.1, -0.3, 1.4}, {0.2}, {0.1, 0.2, -0.15}, {-0.2, 0.06}});
+  const std::unique_ptr<ceres::CostFunction> of_moving(LensReprojectionTerm<true>::Create({0.1, -0.2}, 30.0));
+  ExpectRightJacobians(*of_moving,
+                       {Quaternion(-1.1, {3, 1, 2}), {0.05, -0.1, -0.8}, {0.4}, {0.1, 0.2, -0.15}, {0.1, -0.03}});
+}
+
+TEST(Residuals, TheLensOfTheTermIsRadialLens) {
+  const RadialLens lens{{-0.3, 0.1}};
+  const Eigen::Vector2d projected(0.25, -0.2);  // by a camera that looks along z, with a focal length of 1
+  const std::unique_ptr<ceres::CostFunction> term(LensReprojectionTerm<false>::Create(lens.Distort(projected), 30.0));
+  const double quaternion[] = {1.0, 0.0, 0.0, 0.0};
+  const double placement[] = {0.0, 0.0, 0.0};
+  const double log_focal = 0.0;
+  const double joint[] = {2.0 * projected.x(), 2.0 * projected.y(), 2.0};
+  const double* parameters[] = {quaternion, placement, &log_focal, joint, lens.at_corner.data()};
+  double residuals[2];
+  ASSERT_TRUE(term->Evaluate(parameters, residuals, nullptr));
+  EXPECT_NEAR(residuals[0], 0.0, 1e-12);
+  EXPECT_NEAR(residuals[1], 0.0, 1e-12);
 }
 
 TEST(Residuals, JointInViewsAlsoBehindACamera) {
@@ -107,6 +133,10 @@ TEST(Residuals, ZoomAndPriors) {
   ExpectRightJacobians(*prior, {{0.9}});
   const std::unique_ptr<ceres::CostFunction> scale(ScalePriorTerm::Create(-0.8, 2.0));
   ExpectRightJacobians(*scale, {{0.1, 0.2, -0.5}});
+  const std::unique_ptr<ceres::CostFunction> lens(LensPriorTerm::Create({3.0, 5.0}));
+  ExpectRightJacobians(*lens, {{-0.2, 0.1}});
+  const std::unique_ptr<ceres::CostFunction> lenses(LensDifferenceTerm::Create({3.0, 5.0}));
+  ExpectRightJacobians(*lenses, {{-0.2, 0.1}, {0.1, 0.05}});
 }
 
 }  // namespace

@@ -6,9 +6,11 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "canonpose/base/error.h"
 #include "canonpose/base/median.h"
@@ -23,6 +25,7 @@
 #include "canonpose/solve/image_size.h"
 #include "canonpose/solve/initialisation.h"
 #include "canonpose/solve/invented.h"
+#include "canonpose/solve/lens_estimation.h"
 #include "canonpose/solve/serial_linear_algebra.h"
 #include "canonpose/solve/swaps.h"
 #include "canonpose/solve/view_signs.h"
@@ -80,6 +83,20 @@ Solution ChooseLens(const CaptureObservations& capture, CalibrationOptions& opti
   return other;
 }
 
+/// Finds the lenses before the cameras are checked, since strong distortion looks like cameras that do not fit. If they
+/// do not fit with the lenses either, something else is wrong, by which the lenses were found: then everything stays as
+/// it is. Returns whether the lenses are as the keypoints show.
+bool FindLensesOfGoodCameras(std::span<const int> frames, const std::vector<int>& lens_of_view,
+                             const Calibrate& calibrate, CaptureObservations& capture, Solution& solution) {
+  CaptureObservations undistorted = capture;
+  Solution found = solution;
+  if (!FindLenses(frames, lens_of_view, calibrate, undistorted, found)) return true;
+  if (AnyAlarm(MeasureSigns(undistorted, found))) return false;
+  capture = std::move(undistorted);
+  solution = std::move(found);
+  return true;
+}
+
 bool HasFailed(const CaptureWork& work) { return !work.report.failure.empty(); }
 
 /// Looks for views that do not fit the others and corrects them, or sets the failure in the report.
@@ -99,6 +116,24 @@ void CheckViews(CaptureObservations& capture, const CalibrationOptions& options,
     work.report.failure =
         "the cameras seem to move, but the recording says that they stand still; import it with `moving`";
   }
+}
+
+/// Checks the views, and finds the lenses of those that fit.
+void CheckViewsAndLenses(CaptureObservations& capture, const SolveOptions& options,
+                         const CalibrationOptions& calibration, const Calibrate& calibrate,
+                         const Calibrate& calibrate_quickly, CaptureWork& work) {
+  if (options.distortion == "none") {
+    CheckViews(capture, calibration, calibrate, calibrate_quickly, work);
+    return;
+  }
+  const std::vector<int> lens_of_view = LensOfViews(capture, options.same_lens);
+  const bool has_lenses =
+      FindLensesOfGoodCameras(CalibrationFrames(capture, calibration), lens_of_view, calibrate, capture, work.solution);
+  const CaptureObservations before_check = capture;
+  CheckViews(capture, calibration, calibrate, calibrate_quickly, work);
+  if (HasFailed(work) || !work.solution.calibration_summary.IsUsable()) return;
+  if (has_lenses && HasSameKeypoints(capture, before_check)) return;
+  FindLenses(CalibrationFrames(capture, calibration), lens_of_view, calibrate, capture, work.solution);
 }
 
 /// Finds the cameras of a capture, or sets the failure in the report. Corrects `capture`: views that are out of step
@@ -127,7 +162,7 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options,
   work.solution = capture.static_cameras ? ChooseLens(capture, calibration) : calibrate(capture);
   const AdjustmentSummary& summary = work.solution.calibration_summary;
   if (summary.IsUsable()) CorrectImageSizes(capture, calibrate, calibrate_quickly, work.solution);
-  if (summary.IsUsable()) CheckViews(capture, calibration, calibrate, calibrate_quickly, work);
+  if (summary.IsUsable()) CheckViewsAndLenses(capture, options, calibration, calibrate, calibrate_quickly, work);
   if (HasFailed(work)) return;
   // Only now: in a view that does not fit as a whole, any keypoint seems invented.
   if (summary.IsUsable()) {
@@ -280,6 +315,31 @@ void PlaceCapture(const CaptureObservations& capture, const SolveOptions& option
   }
 }
 
+/// Throws Error(kInvalidArgument) where cameras that share a lens are not cameras of the dataset, or are named twice.
+void RequireSameLens(const Dataset& dataset, const std::vector<std::vector<std::string>>& same_lens) {
+  if (same_lens.size() == 1 && same_lens.front() == std::vector<std::string>{"all"}) return;
+  std::set<std::string> cameras;
+  for (const Sequence& sequence : dataset.sequences) {
+    for (const CameraView& view : sequence.cameras) cameras.insert(view.name);
+  }
+  std::set<std::string> named;
+  for (const std::vector<std::string>& group : same_lens) {
+    if (group.size() < 2) {
+      ThrowInvalidArgument("`same_lens`: expected two cameras or more, as in cam1,cam2, or all, found {}",
+                           fmt::join(group, ","));
+    }
+    for (const std::string& camera : group) {
+      if (!cameras.contains(camera)) {
+        ThrowInvalidArgument("`same_lens`: expected cameras of the data ({}), found {}", fmt::join(cameras, ", "),
+                             camera);
+      }
+      if (!named.insert(camera).second) {
+        ThrowInvalidArgument("`same_lens`: expected every camera once, found {} twice", camera);
+      }
+    }
+  }
+}
+
 /// Throws, with the reason of each, where no capture was solved.
 void RequireOneSolved(const SolveReport& report) {
   std::string reasons;
@@ -302,12 +362,16 @@ void SolveOptions::Validate() const {
     ThrowInvalidArgument(
         "`height`, `camera_distance` and `calibrated_scale` each say how large the scene is; give one of them");
   }
+  if (distortion != "auto" && distortion != "none") {
+    ThrowInvalidArgument("`distortion`: expected auto or none, found \"{}\"", distortion);
+  }
   if (threads < 0) ThrowInvalidArgument("`threads`: expected 0 or more, found {}", threads);
   CANONPOSE_CHECK(calibration_frames > 0 && window_frames > 0, "{} {}", calibration_frames, window_frames);
 }
 
 void SolveOptions::RequireSizesOf(const Dataset& dataset) const {
   RequireMeasuresOf(dataset, measures);
+  RequireSameLens(dataset, same_lens);
   if (!calibrated_scale || dataset.HasCalibration()) return;
   ThrowInvalidArgument(
       "`calibrated_scale`: expected data that were imported with a calibration, found none; give a `height` or a "

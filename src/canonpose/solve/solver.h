@@ -6,13 +6,17 @@
 //      (calibration.h).
 //   2. Cameras that do not fit the others are corrected or left out, and 1 is repeated without the fault
 //      (camera_check.h). Moving cameras: each subject's bone lengths are then the medians over all of its captures.
-//   3. All frames: those in which the detector swapped left and right are corrected (swaps.h), and all are adjusted in
+//   3. How the lenses of static cameras distort, where the keypoints show it: keypoints are undistorted, so that all
+//   else knows pinhole
+//      cameras only (lens_estimation.h). Before 2 if the cameras fit then, otherwise after it.
+//   4. All frames: those in which the detector swapped left and right are corrected (swaps.h), and all are adjusted in
 //      windows (windows.h).
-//   4. The solution is placed in the real world: up, floor and, if a size is known, millimetres (scene/world.h).
-//   5. The report (report.h).
+//   5. The solution is placed in the real world: up, floor and, if a size is known, millimetres (scene/world.h).
+//   6. The report (report.h).
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "canonpose/data/dataset.h"
 #include "canonpose/scene/world.h"
@@ -22,17 +26,20 @@
 namespace canonpose {
 
 struct SolveOptions {
-  std::string mirror = "auto";    ///< of the start's poses; auto: decided by perspective; keep, flip: by request
-  int calibration_frames = 400;   ///< from which the cameras of a static capture are found
-  int window_frames = 128;        ///< solved at once
-  int threads = 0;                ///< 0: one per core; the result does not depend on it
-  WorldMeasures measures{};       ///< of people or between cameras, for millimetres
-  bool calibrated_scale = false;  ///< millimetres by the distances between calibrated cameras instead
+  std::string mirror = "auto";      ///< of the start's poses; auto: decided by perspective; keep, flip: by request
+  int calibration_frames = 400;     ///< from which the cameras of a static capture are found
+  int window_frames = 128;          ///< solved at once
+  int threads = 0;                  ///< 0: one per core; the result does not depend on it
+  WorldMeasures measures{};         ///< of people or between cameras, for millimetres
+  bool calibrated_scale = false;    ///< millimetres by the distances between calibrated cameras instead
+  std::string distortion = "auto";  ///< of static cameras' lenses; auto: found where keypoints show it; none: none
+  /// Names of cameras that share their distortion, being of one model, group by group; {{"all"}}: all of them do.
+  std::vector<std::vector<std::string>> same_lens{};
 
   /// Throws Error(kInvalidArgument).
   void Validate() const;
-  /// Throws Error(kInvalidArgument) where sizes are of others than the people and cameras of the dataset, or a
-  /// calibration is to give them and there is none. To be called before the start's poses are found.
+  /// Throws Error(kInvalidArgument) where sizes or lenses are of others than the people and cameras of the dataset, or
+  /// a calibration is to give them and there is none. To be called before the start's poses are found.
   void RequireSizesOf(const Dataset& dataset) const;
 };
 

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <set>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -97,6 +98,70 @@ TEST(Solve, ExactKeypointsOfAStaticRigGiveTheTruth) {
       }
     }
   }
+}
+
+/// The same capture through lenses that distort more than a sports camera's.
+Dataset DistortedCapture() {
+  Dataset dataset = ExactCapture();
+  for (CameraView& view : dataset.sequences[0].cameras) {
+    view.calibration[0].distortion = {-0.3, 0.1, 0.0, 0.0, 0.0};
+    for (std::size_t i = 0; i < view.truth.positions().size() / 3; ++i) {
+      if (!(view.confidence[i] > 0.0F)) continue;
+      const float* p = &view.truth.positions()[3 * i];
+      const Eigen::Vector2d pixel = view.calibration[0].ProjectFromCamera({p[0], p[1], p[2]});
+      Eigen::Map<Eigen::Vector2f>(&view.keypoints[2 * i]) = pixel.cast<float>();
+    }
+  }
+  return dataset;
+}
+
+TEST(Solve, FindsHowLensesDistort) {
+  Dataset dataset = DistortedCapture();
+  const StartPoses start = testing::NoisyTruth(dataset);
+  Dataset pinhole = dataset;
+  SolveOptions without;
+  without.distortion = "none";
+  Solve(pinhole, start, without);
+  const SolveReport report = Solve(dataset, start, {});
+  EXPECT_THAT(report.ToText(), HasSubstr("  a           the lens moves the corner of the image inwards by "));
+  const double pinhole_mm = Median(ErrorsMm(pinhole.sequences[0], pinhole.skeleton));
+  const double found_mm = Median(ErrorsMm(dataset.sequences[0], dataset.skeleton));
+  EXPECT_GT(pinhole_mm, 2.0);
+  EXPECT_LT(found_mm, 0.2 * pinhole_mm);
+  for (std::size_t v = 0; v < 4; ++v) {
+    EXPECT_EQ(pinhole.sequences[0].cameras[v].solved_calibration[0].distortion, (std::array<double, 5>{}));
+    const CameraView& view = dataset.sequences[0].cameras[v];
+    ASSERT_THAT(view.solved_calibration, SizeIs(1));
+    const Camera& solved = view.solved_calibration[0];
+    EXPECT_NEAR(solved.K(0, 0) / view.calibration[0].K(0, 0), 1.0, 0.01) << view.name;
+    EXPECT_NEAR(solved.distortion[0], -0.3, 0.1) << view.name;
+    // The solved poses are where the solved cameras show the keypoints.
+    std::vector<double> errors_px;
+    for (std::size_t i = 0; i < view.solved.positions().size() / 3; ++i) {
+      const float* p = &view.solved.positions()[3 * i];
+      const Eigen::Vector2d keypoint = Eigen::Map<const Eigen::Vector2f>(&view.keypoints[2 * i]).cast<double>();
+      const double error_px = (solved.ProjectFromCamera({p[0], p[1], p[2]}) - keypoint).norm();
+      if (std::isfinite(error_px)) errors_px.push_back(error_px);
+    }
+    EXPECT_LT(Median(errors_px), 0.5) << view.name;
+  }
+}
+
+TEST(Solve, SameLensNamesCamerasOfTheData) {
+  Dataset dataset = ExactCapture();
+  const auto error_of = [&](std::vector<std::vector<std::string>> same_lens) {
+    SolveOptions options;
+    options.same_lens = std::move(same_lens);
+    return ErrorOf(ErrorKind::kInvalidArgument, [&] { options.RequireSizesOf(dataset); });
+  };
+  EXPECT_THAT(error_of({{"a", "nobody"}}), AllOf(HasSubstr("`same_lens`"), HasSubstr("nobody")));
+  EXPECT_THAT(error_of({{"a"}}), HasSubstr("two cameras or more"));
+  EXPECT_THAT(error_of({{"a", "b"}, {"c", "a"}}), HasSubstr("a twice"));
+  SolveOptions options;
+  options.same_lens = {{"all"}};
+  options.RequireSizesOf(dataset);
+  options.distortion = "fisheye";
+  EXPECT_THAT(ErrorOf(ErrorKind::kInvalidArgument, [&] { options.Validate(); }), HasSubstr("auto or none"));
 }
 
 TEST(Solve, AHeightGivesMillimetresInAnUprightWorld) {

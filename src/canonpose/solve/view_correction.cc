@@ -92,6 +92,7 @@ void ApplyCorrection(const ViewCorrection& correction, int clip, int view, Captu
 }
 
 void CopyView(const CaptureObservations& from, int view, CaptureObservations& to) {
+  to.cameras[static_cast<std::size_t>(view)].lens = from.cameras[static_cast<std::size_t>(view)].lens;
   for (int n = 0; n < from.frame_count; ++n) {
     const std::size_t i = from.Index(n, view, 0);
     const auto joints = static_cast<std::size_t>(from.joint_count());

@@ -19,6 +19,7 @@ Camera CameraOf(const CaptureObservations& capture, const RigEstimate& estimate,
   const double focal_px = found.Focal() * observed.diagonal_px;
   const Eigen::Vector2d centre_px = 0.5 * Eigen::Vector2d(observed.image_size_px[0], observed.image_size_px[1]);
   camera.K << focal_px, 0, centre_px.x(), 0, focal_px, centre_px.y(), 0, 0, 1;
+  camera.distortion = observed.lens.OpenCv(found.Focal());
   camera.camera_from_world_rotation = found.Rotation();
   camera.camera_from_world_translation = estimate.Translation(frame, view);
   return camera;

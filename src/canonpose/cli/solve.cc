@@ -32,6 +32,7 @@ struct SolveArguments {
   std::string frames;
   std::vector<std::string> heights;
   std::vector<std::string> camera_distances;
+  std::vector<std::string> offsets;
   BootstrapOptions bootstrap;
   SolveOptions options;
 };
@@ -55,6 +56,7 @@ SolveOptions Options(const SolveArguments& arguments) {
   for (const std::string& text : arguments.camera_distances) {
     options.measures.distances.push_back(KnownDistance::Parse(text));
   }
+  for (const std::string& text : arguments.offsets) options.offsets.insert(ParseOffset(text));
   options.Validate();
   return options;
 }
@@ -73,6 +75,7 @@ void RunSolve(const SolveArguments& arguments) {
   std::vector<std::string> files;
   for (const fs::path& path : arguments.data) files.push_back(path.string());
   options.RequireSizesOf(dataset);
+  options.RequireCamerasOf(dataset);
   const StartPoses start = Bootstrap(dataset, fmt::format("{}", fmt::join(files, ", ")), bootstrap);
   const SolveReport report = Solve(dataset, start, options);
   WriteDataset(arguments.output, dataset);
@@ -123,6 +126,12 @@ void AddSolveCommand(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_flag("--calibrated-scale", arguments->options.calibrated_scale,
                     "Instead, take the scale from the calibration that the data were imported with");
+  command
+      ->add_option("--offset", arguments->offsets,
+                   "How much later than the others a camera began, in seconds: cam3=1.25. Of cameras that were not "
+                   "synchronised it is found otherwise")
+      ->type_name("NAME=SECONDS")
+      ->allow_extra_args(false);
   command->add_option("--frames", arguments->frames, "Solve frames A-B of each sequence only, counted from 0");
   command->add_option("--json", arguments->json, "Also write the report to this file, as JSON");
   command->add_option("--device", arguments->bootstrap.device, "cpu or cuda")->capture_default_str();

@@ -2,6 +2,7 @@
 //
 // Each capture is solved by itself:
 //
+//   0. Where nobody synchronised the cameras: when each began (synchronisation.h).
 //   1. The cameras and bone lengths, from some frames and the start's poses. Both ways round in depth are tried
 //      (calibration.h).
 //   2. Cameras that do not fit the others are corrected or left out, and 1 is repeated without the fault
@@ -18,6 +19,7 @@
 #include "canonpose/scene/world.h"
 #include "canonpose/solve/observations.h"
 #include "canonpose/solve/report.h"
+#include "canonpose/solve/synchronisation.h"
 
 namespace canonpose {
 
@@ -28,9 +30,13 @@ struct SolveOptions {
   int threads = 0;                ///< 0: one per core; the result does not depend on it
   WorldMeasures measures{};       ///< of people or between cameras, for millimetres
   bool calibrated_scale = false;  ///< millimetres by the distances between calibrated cameras instead
+  GivenOffsets offsets{};         ///< of cameras that began later than the others; those not given are found
 
   /// Throws Error(kInvalidArgument).
   void Validate() const;
+  /// Throws Error(kInvalidArgument) where `offsets` names a camera that the dataset lacks, or all that it has. To be
+  /// called before the start's poses are found.
+  void RequireCamerasOf(const Dataset& dataset) const;
   /// Throws Error(kInvalidArgument) where sizes are of others than the people and cameras of the dataset, or a
   /// calibration is to give them and there is none. To be called before the start's poses are found.
   void RequireSizesOf(const Dataset& dataset) const;
@@ -41,7 +47,7 @@ struct SolveOptions {
 /// subject add up to 1. What could not be solved is NaN, and the report says why.
 ///
 /// Throws Error(kComputation) with the reasons where no capture can be solved, Error(kInvalidArgument) where
-/// RequireSizesOf() does.
+/// RequireSizesOf() or RequireCamerasOf() does.
 SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions& options);
 
 }  // namespace canonpose

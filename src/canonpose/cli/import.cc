@@ -1,9 +1,11 @@
 // canonpose import FORMAT PATH... -o data.h5
 #include "canonpose/data/import.h"
 
+#include <charconv>
 #include <cmath>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -28,6 +30,7 @@ struct ImportArguments {
   std::vector<std::string> cameras;      // NAME=PATH
   std::vector<std::string> image_sizes;  // WxH or NAME=WxH
   std::vector<std::string> people;       // N or NAME=N
+  std::vector<std::string> rates;        // FPS or NAME=FPS
   std::string align = "automatic";
   std::string calibration;
   std::string morph;
@@ -50,6 +53,16 @@ int ParsePerson(const std::string& text) {
     ThrowInvalidArgument("--person takes a number from 1 on, NAME=NUMBER for one camera, or all, not \"{}\"", text);
   }
   return std::stoi(text);
+}
+
+double ParseRate(const std::string& text) {
+  double rate = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [after, error] = std::from_chars(text.data(), end, rate);
+  if (error != std::errc() || after != end || !std::isfinite(rate) || rate <= 0.0) {
+    ThrowInvalidArgument("--fps: expected frames per second, above 0, found {}", text);
+  }
+  return rate;
 }
 
 ImportOptions ToOptions(const ImportArguments& arguments) {
@@ -77,10 +90,15 @@ ImportOptions ToOptions(const ImportArguments& arguments) {
     const auto [name, number] = SplitNameAndPath(text);
     (name.empty() ? options.person : options.camera_person[name]) = ParsePerson(number);
   }
+  for (const std::string& text : arguments.rates) {
+    const auto [name, rate] = SplitNameAndPath(text);
+    (name.empty() ? options.fps : options.camera_fps[name]) = ParseRate(rate);
+  }
   options.calibration = arguments.calibration;
   if (!arguments.skeleton.empty()) options.skeleton = arguments.skeleton;
   options.alignment = arguments.align == "frame-number" ? FrameAlignment::kFrameNumber
                       : arguments.align == "order"      ? FrameAlignment::kOrder
+                      : arguments.align == "none"       ? FrameAlignment::kNone
                                                         : FrameAlignment::kAutomatic;
   if (options.name.empty()) {
     options.name = std::filesystem::path(arguments.output).stem().string();
@@ -107,7 +125,7 @@ BenchmarkOptions ToBenchmarkOptions(const ImportArguments& arguments, const CLI:
   options.layout = arguments.options.layout;
   options.truth = arguments.truth;
   options.cameras = arguments.chosen_cameras;
-  options.fps = arguments.options.fps;
+  for (const std::string& rate : arguments.rates) options.fps = ParseRate(rate);
   for (const std::string& size : arguments.image_sizes) options.image_size = ParseImageSize(size);
   return options;
 }
@@ -179,10 +197,6 @@ void RunBenchmarkImport(const ImportArguments& arguments, const CLI::App& comman
 
 void RunImport(const ImportArguments& arguments, const CLI::App& command) {
   const std::string& format = arguments.options.format;
-  const double fps = arguments.options.fps;
-  if (command.count("--fps") > 0 && !(std::isfinite(fps) && fps > 0.0)) {
-    ThrowInvalidArgument("--fps: expected frames per second, above 0, found {}", fps);
-  }
   if (FindBenchmarkFormat(format) != nullptr) return RunBenchmarkImport(arguments, command);
   RefuseOptions(command, {"--truth", "--cameras"}, format + ", which is not a benchmark");
   const ImportOptions options = ToOptions(arguments);
@@ -266,8 +280,9 @@ void AddImportCommand(CLI::App& app) {
   command
       ->add_option("--align", arguments->align,
                    "Match the cameras' frames by the numbers or times in their names, in order, or (automatic) in "
-                   "order only where the numbers have nothing in common")
-      ->check(CLI::IsMember({"automatic", "order", "frame-number"}))
+                   "order only where the numbers have nothing in common; or none: nobody synchronised the cameras, and "
+                   "solve finds when each began")
+      ->check(CLI::IsMember({"automatic", "order", "frame-number", "none"}))
       ->capture_default_str();
   command->add_option("--name", options.name, "Name of the sequence (default: the output's name)")->type_name("NAME");
   command->add_option("--subject", options.subject, "Name of the person (default: the sequence's name)")
@@ -276,8 +291,13 @@ void AddImportCommand(CLI::App& app) {
       ->add_option("--capture", options.capture,
                    "Recordings of one capture share their cameras (default: this one alone)")
       ->type_name("NAME");
-  command->add_option("--fps", options.fps, "Frames per second (default: from frames named by the time)")
-      ->type_name("FPS");
+  command
+      ->add_option(
+          "--fps", arguments->rates,
+          "Frames per second of all cameras, or of the one named (default: from video.json, or frames named by "
+          "the time)")
+      ->type_name("[NAME=]FPS")
+      ->allow_extra_args(false);
   command->add_flag("--moving", options.moving_cameras, "The cameras move");
   command->callback([arguments, command] { RunImport(*arguments, *command); });
 }

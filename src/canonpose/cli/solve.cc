@@ -35,6 +35,7 @@ struct SolveArguments {
   std::vector<std::string> heights;
   std::vector<std::string> camera_distances;
   std::vector<std::string> same_lens;
+  std::vector<std::string> offsets;
   BootstrapOptions bootstrap;
   SolveOptions options;
 };
@@ -59,6 +60,7 @@ SolveOptions Options(const SolveArguments& arguments) {
     options.measures.distances.push_back(KnownDistance::Parse(text));
   }
   for (const std::string& text : arguments.same_lens) options.same_lens.push_back(CLI::detail::split(text, ','));
+  for (const std::string& text : arguments.offsets) options.offsets.insert(ParseOffset(text));
   options.Validate();
   return options;
 }
@@ -78,6 +80,7 @@ void RunSolve(const SolveArguments& arguments) {
   for (const fs::path& path : arguments.data) files.push_back(path.string());
   // Before minutes of work; but it is not known yet who is in a recording of several people.
   if (std::ranges::none_of(dataset.sequences, &Sequence::HasTracks)) options.RequireSizesOf(dataset);
+  options.RequireCamerasOf(dataset);
   IdentifiedPeople identified = IdentifyPeople(dataset, fmt::format("{}", fmt::join(files, ", ")), bootstrap);
   SolveReport report = Solve(dataset, identified.start, options);
   report.people = std::move(identified.people);
@@ -136,6 +139,12 @@ void AddSolveCommand(CLI::App& app) {
   command
       ->add_option("--same-lens", arguments->same_lens,
                    "Cameras of one model, which share their distortion: A,B,C (again for another model), or all")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--offset", arguments->offsets,
+                   "How much later than the others a camera began, in seconds: cam3=1.25. Of cameras that were not "
+                   "synchronised it is found otherwise")
+      ->type_name("NAME=SECONDS")
       ->allow_extra_args(false);
   command->add_option("--frames", arguments->frames, "Solve frames A-B of each sequence only, counted from 0");
   command->add_option("--json", arguments->json, "Also write the report to this file, as JSON");

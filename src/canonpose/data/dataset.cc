@@ -54,20 +54,36 @@ bool LacksUncertainty(const PoseSequence& solved) {
          std::ranges::none_of(solved.standard_deviation(), [](float s) { return std::isfinite(s); });
 }
 
-ViewClock::ViewClock(const Sequence& sequence, const CameraView& view) : count_(sequence.frame_count) {
+ViewClock::ViewClock(const Sequence& sequence, const CameraView& view)
+    : count_(sequence.frame_count), solved_frames_(view.solved_frames) {
   constexpr double kDefaultFps = 30.0;
-  constexpr double kSameMoment = 0.25;
-  if (view.solved_frames.empty()) {
+  if (solved_frames_.empty()) {
     const double fps = sequence.fps > 0.0 ? sequence.fps : kDefaultFps;
-    offset_ = static_cast<int>(std::lround(view.time_offset_seconds * fps));
+    shift_ = view.time_offset_seconds * fps;
+    offset_ = static_cast<int>(std::lround(shift_));
     return;
   }
   own_.assign(static_cast<std::size_t>(count_), -1);
-  for (std::size_t t = 0; t < view.solved_frames.size(); ++t) {
-    const double nearest = std::round(view.solved_frames[t]);
-    const bool is_near = std::abs(view.solved_frames[t] - nearest) <= kSameMoment;  // not where it is unknown
-    if (is_near && nearest >= 0.0 && nearest < count_) own_[static_cast<std::size_t>(nearest)] = static_cast<int>(t);
+  for (int t = 0; t < count_; ++t) {
+    const double shown = solved_frames_[static_cast<std::size_t>(t)];
+    const double nearest = std::round(shown);  // not a number where it is left out
+    if (!(nearest >= 0.0 && nearest < count_) || !(std::abs(shown - nearest) <= SameMoment(t))) continue;
+    int& own = own_[static_cast<std::size_t>(nearest)];
+    const double other = own < 0 ? std::nan("") : solved_frames_[static_cast<std::size_t>(own)];
+    if (!(std::abs(other - nearest) < std::abs(shown - nearest))) own = t;
   }
+}
+
+double ViewClock::SameMoment(int own) const {
+  constexpr double kUsual = 0.25;
+  constexpr double kNearest = 0.5;
+  const double here = solved_frames_[static_cast<std::size_t>(own)];
+  for (const int other : {own - 1, own + 1}) {
+    if (other < 0 || other >= count_) continue;
+    const double step = std::abs(solved_frames_[static_cast<std::size_t>(other)] - here);
+    if (step > 1.0 - kUsual && step < 1.0 + kUsual) return kNearest;
+  }
+  return kUsual;
 }
 
 int ViewClock::OwnFrame(int frame) const {
@@ -78,6 +94,10 @@ int ViewClock::OwnFrame(int frame) const {
 
 bool Sequence::HasTracks() const {
   return std::ranges::any_of(cameras, [](const CameraView& view) { return !view.tracks.empty(); });
+}
+
+double ViewClock::TimeOf(int own) const {
+  return solved_frames_.empty() ? own + shift_ : solved_frames_[static_cast<std::size_t>(own)];
 }
 
 bool Dataset::HasTruth() const {

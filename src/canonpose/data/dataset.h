@@ -67,6 +67,13 @@ PoseSequence TruthPoses(const Skeleton& skeleton, std::vector<float> positions, 
 /// Whether joints of CameraView::solved are known, but the uncertainty of none of them.
 bool LacksUncertainty(const PoseSequence& solved);
 
+/// Whether the n-th frames of a sequence's cameras show the same moment.
+enum class FrameTiming {
+  kCommon,  ///< they do, but for what `solve` notices
+  kUnsure,  ///< the recordings differ in length or rate, so that they may have begun at different times
+  kOwn,     ///< they do not: every camera counts from its own first frame
+};
+
 /// T synchronised frames of one person from the same cameras, or of several people, not yet told apart
 /// (CameraView::tracks).
 struct Sequence {
@@ -82,6 +89,7 @@ struct Sequence {
   std::vector<std::uint8_t> action{};  ///< (T) index into `actions`; empty: all frames are the first one
   std::string truth_kind{};  ///< which of a benchmark's annotations `truth` comes from, "univ_annot3"; may be empty
   WorldProvenance solved_world{};  ///< what is known of the world of the solved cameras
+  FrameTiming timing = FrameTiming::kCommon;
   /// People who were filmed together, each of whom is a sequence: the same time and the same world. Empty where the
   /// person is alone.
   std::string scene{};
@@ -117,15 +125,24 @@ class ViewClock {
  public:
   ViewClock(const Sequence& sequence, const CameraView& view);
   /// The view's own frame that shows what the other cameras show in `frame`, which may lie outside of the sequence; -1
-  /// where none is as near as 0.25 frames, or it was left out. A constant offset is rounded to whole frames.
+  /// where none is as near as 0.25 frames, or it was left out. Where the view has about the rate of the others, as with
+  /// a constant offset, it is the nearest one.
   [[nodiscard]] int OwnFrame(int frame) const;
+  /// What the view's own frame shows, in frames of the sequence, between them where the clocks differ by fractions; NaN
+  /// where it was left out.
+  [[nodiscard]] double TimeOf(int own) const;
   /// The frames of the sequence, or outside of it, in which the first and the last of the view's own ones are.
   [[nodiscard]] int first_frame() const { return own_.empty() ? offset_ : 0; }
   [[nodiscard]] int last_frame() const { return own_.empty() ? count_ - 1 + offset_ : count_ - 1; }
 
  private:
+  /// How far from a frame of the sequence its own one may be.
+  [[nodiscard]] double SameMoment(int own) const;
+
   int count_ = 0;
-  int offset_ = 0;
+  double shift_ = 0.0;  ///< frames
+  int offset_ = 0;      ///< the same, whole
+  std::vector<double> solved_frames_;
   std::vector<int> own_;  ///< (T) or empty: offset_ says all
 };
 

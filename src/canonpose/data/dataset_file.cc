@@ -1,5 +1,6 @@
 // The dataset file: groups, attributes and arrays as docs/dataset.md describes them.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -166,6 +167,25 @@ int ReadFrameCount(const h5::Group& group) {
   return static_cast<int>(frames);
 }
 
+constexpr std::array<std::pair<FrameTiming, const char*>, 3> kTimings = {
+    {{FrameTiming::kCommon, "yes"}, {FrameTiming::kUnsure, "unsure"}, {FrameTiming::kOwn, "no"}}};
+
+/// Files from before cameras could be unsynchronised do not say.
+FrameTiming ReadTiming(const h5::Group& group) {
+  if (!group.HasAttribute("synchronised")) return FrameTiming::kCommon;
+  const std::string found = group.GetString("synchronised");
+  for (const auto& [timing, name] : kTimings) {
+    if (found == name) return timing;
+  }
+  group.Fail("attribute synchronised", "\"yes\", \"no\" or \"unsure\"", '"' + found + '"', "");
+}
+
+void WriteTiming(h5::Group& group, FrameTiming timing) {
+  for (const auto& [known, name] : kTimings) {
+    if (known == timing && timing != FrameTiming::kCommon) group.SetString("synchronised", name);
+  }
+}
+
 Sequence ReadSequence(const h5::Group& group, const std::string& name, const Skeleton& skeleton) {
   Sequence sequence;
   sequence.name = name;
@@ -180,6 +200,7 @@ Sequence ReadSequence(const h5::Group& group, const std::string& name, const Ske
                "");
   }
   sequence.static_cameras = is_static == 1;
+  sequence.timing = ReadTiming(group);
   if (group.HasAttribute("capture")) sequence.capture = group.GetString("capture");
   sequence.capture_is_named = !sequence.capture.empty();
   if (!sequence.capture_is_named) sequence.capture = DefaultCapture(sequence);
@@ -348,6 +369,7 @@ void DatasetWriter::Add(const Sequence& sequence) {
   group.SetString("subject", sequence.subject);
   group.SetDouble("fps", sequence.fps);
   group.SetInt("static_cameras", sequence.static_cameras ? 1 : 0);
+  WriteTiming(group, sequence.timing);
   // A default that was written would be read as a name, which other files may share.
   if (sequence.capture_is_named && !sequence.capture.empty()) group.SetString("capture", sequence.capture);
   if (!sequence.actions.empty()) group.SetStrings("actions", sequence.actions);

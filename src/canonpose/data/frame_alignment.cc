@@ -382,6 +382,12 @@ double AlignFrames(std::vector<KeypointClip>& clips, FrameAlignment alignment) {
   return 0.0;
 }
 
+bool HaveCommonNumbers(const std::vector<KeypointClip>& clips) {
+  const bool is_clock = std::ranges::any_of(clips, [](const auto& clip) { return clip.seconds_per_number > 0.0; }) ||
+                        std::ranges::all_of(clips, LookLikeTimes);
+  return is_clock || SmallestCommonShare(clips) >= kCommonNumbers;
+}
+
 double CountFrames(KeypointClip& clip) {
   if (clip.seconds_per_number == 0.0) return 0.0;
   const CountedClock clock = CountClock(TimesOf(clip, clip));

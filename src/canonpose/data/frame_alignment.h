@@ -12,6 +12,7 @@ enum class FrameAlignment {
   kAutomatic,    ///< by the numbers or times in their names, or in order where these have nothing in common
   kOrder,        ///< the n-th frames of all; all must have as many
   kFrameNumber,  ///< by the numbers or times in their names
+  kNone,         ///< not at all: nobody synchronised the cameras (clip_timing.h)
 };
 
 /// Gives all clips the same frames; those that a camera lacks are missing in its clip. Logs how, unless all clips have
@@ -28,6 +29,9 @@ enum class FrameAlignment {
 /// Returns the frame rate that follows from the times; 0 where there are none. Throws Error(kBadInput) where the frames
 /// do not match in this way.
 double AlignFrames(std::vector<KeypointClip>& clips, FrameAlignment alignment);
+
+/// Whether frames that count can be matched by their numbers; true where they are named by the time.
+bool HaveCommonNumbers(const std::vector<KeypointClip>& clips);
 
 /// The frames of one camera that are named by the time get numbers that count frame intervals from 0; others stay as
 /// they are. Returns the frame rate; 0 where it is not known.

@@ -15,6 +15,7 @@
 #include "canonpose/base/error.h"
 #include "canonpose/base/log.h"
 #include "canonpose/data/calibration_check.h"
+#include "canonpose/data/clip_timing.h"
 #include "canonpose/data/detection_cleaning.h"
 #include "canonpose/data/everybody.h"
 #include "canonpose/data/keypoint_checks.h"
@@ -216,12 +217,6 @@ CameraView MapPeople(const KeypointClip& clip, const LayoutMapping& mapping, dou
   return view;
 }
 
-void WarnOfOtherRate(double given, double found) {
-  constexpr double kSame = 0.02;
-  if (given <= 0.0 || found <= 0.0 || std::abs(given - found) <= kSame * found) return;
-  LogWarning("`fps` is {:.5g}, but the times of the frames say {:.5g} frames per second", given, found);
-}
-
 LayoutMapping MappingTo(const Skeleton& layout, const std::string& skeleton) {
   if (skeleton.empty()) {
     const Skeleton& usual = *FindSkeleton(kUsualSkeleton);
@@ -294,6 +289,9 @@ void ImportOptions::Validate() const {
     if (number < 1) ThrowInvalidArgument("`person` counts from 1, not {}", number);
   }
   if (!std::isfinite(fps) || fps < 0.0) ThrowInvalidArgument("`fps` must be above 0, not {}", fps);
+  for (const auto& [camera, rate] : camera_fps) {
+    if (!std::isfinite(rate) || rate <= 0.0) ThrowInvalidArgument("`fps` must be above 0, not {}", rate);
+  }
   if (name.empty() || name.front() == '.' || name.find('/') != std::string::npos) {
     ThrowInvalidArgument(
         "\"{}\" is not a valid name for a sequence: it must not be empty, begin with '.' or contain '/'", name);
@@ -306,6 +304,7 @@ Dataset ImportDetections(const ImportOptions& options) {
   std::vector<CameraInput> cameras = FindCameras(options, format);
   CheckNamesExist(options.camera_person, cameras, "`person`");
   CheckNamesExist(options.camera_image_size, cameras, "`image_size`");
+  CheckNamesExist(options.camera_fps, cameras, "`fps`");
   // Cheap checks come before reading, which may take minutes.
   Calibration calibration;
   if (!options.calibration.empty()) calibration = ReadCalibration(options.calibration);
@@ -324,10 +323,7 @@ Dataset ImportDetections(const ImportOptions& options) {
   CheckKeypointCounts(clips);
   const Skeleton layout = LayoutOf(clips, options.layout);
   if (options.everybody) std::ranges::transform(clips, clips.begin(), PeopleSideBySide);
-  const double video_fps =
-      options.alignment == FrameAlignment::kAutomatic ? NumberByVideoTimes(clips, facts) : CommonRate(facts);
-  const double times_fps = AlignFrames(clips, options.alignment);
-  const double fps = times_fps > 0.0 ? times_fps : video_fps;
+  const ClipTiming timing = TimeClips(clips, facts, {options.fps, options.camera_fps}, options.alignment);
   RefuseIdenticalClips(clips);
   const LayoutMapping mapping = MappingTo(layout, options.skeleton);
   ReportLeftOutJoints(mapping);
@@ -340,8 +336,8 @@ Dataset ImportDetections(const ImportOptions& options) {
   Sequence sequence;
   sequence.name = options.name;
   sequence.subject = options.subject.empty() ? options.name : options.subject;
-  sequence.fps = options.fps > 0.0 ? options.fps : fps;
-  WarnOfOtherRate(options.fps, fps);
+  sequence.fps = timing.fps;
+  sequence.timing = timing.timing;
   sequence.static_cameras = !options.moving_cameras;
   sequence.frame_count = clips.front().frame_count();
   for (std::size_t i = 0; i < clips.size(); ++i) {

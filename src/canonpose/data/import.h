@@ -38,6 +38,7 @@ struct ImportOptions {
   /// Empty: the name and a hash of the keypoints, so that no two imports accidentally share cameras.
   std::string capture;
   double fps = 0.0;  ///< 0: from the names of the frames where these are times, otherwise unknown
+  std::map<std::string, double> camera_fps;  ///< the same for single cameras
   bool moving_cameras = false;
 
   /// Throws Error(kInvalidArgument).

@@ -77,6 +77,18 @@ TEST(TriangulateSequence, BringsCamerasToOneTime) {
   EXPECT_FALSE(poses.poses_in_camera[1].IsKnown(1, 1));
 }
 
+TEST(TriangulateSequence, InterpolatesWhereClocksDifferByFractions) {
+  Dataset dataset = TwoFrames();
+  Sequence& sequence = dataset.sequences[0];
+  const SequencePoses in_step = TriangulateSequence(sequence, dataset.skeleton);
+  sequence.cameras[1].time_offset_seconds = -0.4 / sequence.fps;
+  const SequencePoses poses = TriangulateSequence(sequence, dataset.skeleton);
+  // Nothing moves, so that joints are where they were in the one frame that both cameras show.
+  EXPECT_TRUE(poses.poses_in_camera[0].IsKnown(0, 1));
+  EXPECT_FALSE(poses.poses_in_camera[0].IsKnown(1, 1)) << "camera b ended 0.4 frames before";
+  EXPECT_TRUE(poses.poses_in_camera[0].PoseAt(0).row(1).isApprox(in_step.poses_in_camera[0].PoseAt(0).row(1), 1e-5F));
+}
+
 TEST(TriangulateSequence, DoesNotUseWhatSolveLeftOut) {
   Dataset dataset = TwoFrames();
   Sequence& sequence = dataset.sequences[0];

@@ -138,7 +138,8 @@ std::vector<CaptureObservations> CollectCaptures(const Dataset& dataset, const S
     }
     CaptureObservations& capture = captures[index];
     capture.clips.push_back({s, capture.frame_count, sequence.frame_count,
-                             sequence.fps > 0.0 ? sequence.fps : kDefaultFps, SubjectIndex(capture, sequence.subject)});
+                             sequence.fps > 0.0 ? sequence.fps : kDefaultFps, SubjectIndex(capture, sequence.subject),
+                             sequence.timing, sequence.fps > 0.0});
     capture.frame_count += sequence.frame_count;
     for (const CameraView& view : sequence.cameras) AddCamera(capture, view, sequence);
   }

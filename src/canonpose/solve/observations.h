@@ -33,6 +33,8 @@ struct ClipRange {
   int count = 0;
   double fps = 0.0;  ///< never 0: 30 where the dataset does not say
   int subject = 0;   ///< index into `subjects`; clips of one subject share their bone lengths
+  FrameTiming timing = FrameTiming::kCommon;
+  bool fps_is_known = true;  ///< otherwise the views may even have different ones
 };
 
 struct ObservedCamera {

@@ -196,6 +196,57 @@ Json PeopleToJson(const PeopleReport& report) {
           {"explained_percent", report.explained_percent}};
 }
 
+/// One line: when a camera began, how fast its clock runs, and how sure that is.
+std::string DescribeClock(const ViewClockEstimate& clock, std::size_t clips) {
+  std::string text = fmt::format("  {:<11} ", clock.camera);
+  if (clock.source == ClockSource::kUnknown) {
+    text += fmt::format("not synchronised: it {}", clock.reason);
+  } else if (clock.source == ClockSource::kAsRecorded) {
+    text += "synchronised as recorded: its motion shows nothing else";
+  } else if (clock.source == ClockSource::kReference) {
+    text += "the others are synchronised with it";
+  } else {
+    text += fmt::format("began {:.3f} s {}", std::abs(clock.offset_seconds),
+                        clock.offset_seconds < 0.0 ? "earlier" : "later");
+    if (clock.source == ClockSource::kGiven) text += ", as given";
+    if (clock.source == ClockSource::kMotion) text += fmt::format(" (within {:.1f} ms)", 1e3 * clock.deviation_seconds);
+    const double rate = 1.0 / clock.time.rate;
+    if (std::abs(rate - 1.0) > 5e-3) {
+      text += fmt::format(", {:.5g} times the frame rate", rate);
+    } else if (rate != 1.0) {
+      text += fmt::format(", clock {:.0f} ppm {}", 1e6 * std::abs(rate - 1.0), rate > 1.0 ? "fast" : "slow");
+    }
+  }
+  if (clips > 1) text += fmt::format(", in clip {}", clock.clip + 1);
+  return text + "\n";
+}
+
+std::string DescribeClocks(const CaptureReport& capture) {
+  int clips = 0;
+  for (const ViewClockEstimate& clock : capture.clocks) clips = std::max(clips, clock.clip + 1);
+  std::string text;
+  for (const ViewClockEstimate& clock : capture.clocks) text += DescribeClock(clock, static_cast<std::size_t>(clips));
+  return text;
+}
+
+Json ClocksToJson(const CaptureReport& capture) {
+  Json clocks = Json::array();
+  for (const ViewClockEstimate& clock : capture.clocks) {
+    Json one = {{"clip", clock.clip}, {"camera", clock.camera}, {"source", NameOf(clock.source)}};
+    if (clock.source == ClockSource::kUnknown) {
+      one["reason"] = clock.reason;
+    } else {
+      one["offset_seconds"] = clock.offset_seconds;
+      one["rate"] = 1.0 / clock.time.rate;
+    }
+    if (clock.source == ClockSource::kMotion) one["uncertainty_seconds"] = clock.deviation_seconds;
+    one["evidence"] = clock.evidence;
+    one["runner_up_error"] = clock.runner_up > 0.0 ? Json(clock.runner_up) : Json(nullptr);
+    clocks.push_back(one);
+  }
+  return clocks;
+}
+
 double LargestViewAngle(const CaptureObservations& capture, const RigEstimate& estimate) {
   double largest = 0.0;
   const int step = std::max(1, capture.frame_count / 100);
@@ -308,6 +359,7 @@ std::string SolveReport::ToText() const {
     text += fmt::format("{} ({} cameras)\n", capture.name, capture.static_cameras ? "static" : "moving");
     if (!capture.failure.empty()) {
       text += fmt::format("  not solved: {}\n", capture.failure);
+      text += DescribeClocks(capture);
       for (const CameraFinding& finding : capture.findings) text += fmt::format("  found: {}\n", finding.text);
       continue;
     }
@@ -328,6 +380,7 @@ std::string SolveReport::ToText() const {
       text += fmt::format("  {:<11} the lens moves the corner of the image {} by {:.0f} px\n", camera.name,
                           camera.corner_shift_px < 0.0 ? "inwards" : "outwards", std::abs(camera.corner_shift_px));
     }
+    text += DescribeClocks(capture);
     for (const OffsetReport& offset : capture.offsets) {
       text += fmt::format("  {:<11} {} frames {} than the others in clip {}\n", offset.camera, std::abs(offset.frames),
                           offset.frames < 0 ? "later" : "earlier", offset.clip + 1);
@@ -388,6 +441,7 @@ std::string SolveReport::ToJson() const {
         one["offsets"].push_back({{"clip", offset.clip}, {"camera", offset.camera}, {"frames", offset.frames}});
       }
     }
+    one["clocks"] = ClocksToJson(capture);
     if (capture.failure.empty()) one["world"] = WorldToJson(capture);
     one["findings"] = Json::array();
     for (const CameraFinding& finding : capture.findings) {

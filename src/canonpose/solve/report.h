@@ -12,6 +12,7 @@
 #include "canonpose/solve/findings.h"
 #include "canonpose/solve/observations.h"
 #include "canonpose/solve/solution.h"
+#include "canonpose/solve/synchronisation.h"
 #include "canonpose/solve/windows.h"
 
 namespace canonpose {
@@ -54,6 +55,7 @@ struct CaptureReport {
   bool mirror_is_a_guess = false;
   int swaps_corrected = 0;  ///< frames, summed over cameras, in which left and right were exchanged
   std::vector<OffsetReport> offsets;
+  std::vector<ViewClockEstimate> clocks;  ///< of clips whose cameras were not synchronised, or whose offsets are given
   std::vector<CameraFinding> findings;
   WorldProvenance world;                         ///< what is known of the world that the result is in
   LengthUnit unit = LengthUnit::kBodyLengths;    ///< of the result

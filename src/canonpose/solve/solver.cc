@@ -50,6 +50,7 @@ constexpr double kGainOfWideLens = 0.9;
 /// A capture between the stages.
 struct CaptureWork {
   CaptureReport report;
+  Synchronisation synchronisation;
   std::optional<CameraCheck> check;
   Solution solution;
   WindowsSummary windows;
@@ -143,13 +144,21 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options,
   work.report.name = capture.name;
   work.report.static_cameras = capture.static_cameras;
   work.report.frames = capture.frame_count;
-  work.report.failure = MissingInput(capture);
-  if (HasFailed(work)) return;
   const auto calibrate_with = [](const CaptureObservations& some, const CalibrationOptions& how) {
     return some.static_cameras ? CalibrateStatic(some, how) : CalibrateMoving(some, how);
   };
   CalibrationOptions calibration{options.mirror, options.calibration_frames, ThreadsToUse(options.threads)};
   const Calibrate calibrate = [&](const CaptureObservations& some) { return calibrate_with(some, calibration); };
+  const Calibrate calibrate_for_clocks = [&](const CaptureObservations& some) {
+    tell("synchronising the cameras");
+    ThrowIfStopRequested();
+    CalibrationOptions quick = calibration;
+    quick.frames = kQuickFrames;
+    quick.max_iterations = kQuickIterations;
+    // Which way round depth is hardly changes how well clocks fit.
+    if (quick.mirror == "auto") quick.mirror = "keep";
+    return calibrate_with(some, quick);
+  };
   int trials = 0;
   const Calibrate calibrate_quickly = [&](const CaptureObservations& some) {
     tell(fmt::format("cameras do not fit, trial {}", ++trials));
@@ -159,6 +168,11 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options,
     quick.max_iterations = kQuickIterations;
     return calibrate_with(some, quick);
   };
+  work.synchronisation = Synchronise(capture, options.offsets, calibrate_for_clocks);
+  work.report.clocks = work.synchronisation.clocks;
+  work.report.failure = work.synchronisation.failure;
+  if (!HasFailed(work)) work.report.failure = MissingInput(capture);
+  if (HasFailed(work)) return;
   work.solution = capture.static_cameras ? ChooseLens(capture, calibration) : calibrate(capture);
   const AdjustmentSummary& summary = work.solution.calibration_summary;
   if (summary.IsUsable()) CorrectImageSizes(capture, calibrate, calibrate_quickly, work.solution);
@@ -218,9 +232,12 @@ void FinishReport(const CaptureObservations& capture, const SolveOptions& option
   const CameraCheck& check = *work.check;
   CaptureReport& report = work.report;
   report = MakeReport(capture, solution, work.windows, options.mirror);
+  report.clocks = work.synchronisation.clocks;
   report.swaps_corrected = swaps_corrected;
   for (std::size_t v = 0; v < capture.cameras.size(); ++v) {
     if (check.dropped[v]) report.cameras[v].why_not_used = check.why_dropped[v];
+    const ViewClockEstimate* clock = work.synchronisation.Find(0, capture.cameras[v].name);
+    if (clock != nullptr && !report.cameras[v].used) report.cameras[v].why_not_used = clock->reason;
     if (!report.cameras[v].used && report.cameras[v].why_not_used.empty()) {
       report.cameras[v].why_not_used = WhyNotUsable(capture, static_cast<int>(v));
     }
@@ -365,6 +382,10 @@ void SolveOptions::Validate() const {
   if (distortion != "auto" && distortion != "none") {
     ThrowInvalidArgument("`distortion`: expected auto or none, found \"{}\"", distortion);
   }
+  for (const auto& [camera, seconds] : offsets) {
+    if (std::isfinite(seconds)) continue;
+    ThrowInvalidArgument("`offset`: expected seconds for {}, found {}", camera, seconds);
+  }
   if (threads < 0) ThrowInvalidArgument("`threads`: expected 0 or more, found {}", threads);
   CANONPOSE_CHECK(calibration_frames > 0 && window_frames > 0, "{} {}", calibration_frames, window_frames);
 }
@@ -378,9 +399,25 @@ void SolveOptions::RequireSizesOf(const Dataset& dataset) const {
       "`camera_distance` instead");
 }
 
+void SolveOptions::RequireCamerasOf(const Dataset& dataset) const {
+  std::set<std::string> names;
+  for (const Sequence& sequence : dataset.sequences) {
+    for (const CameraView& view : sequence.cameras) names.insert(view.name);
+  }
+  for (const auto& [camera, seconds] : offsets) {
+    if (names.contains(camera)) continue;
+    ThrowInvalidArgument("`offset`: expected cameras of the data ({}), found {}", fmt::join(names, ", "), camera);
+  }
+  if (offsets.empty() || offsets.size() < names.size()) return;
+  ThrowInvalidArgument(
+      "`offset`: expected one camera without any, from which the others count, found one of each of {}",
+      fmt::join(names, ", "));
+}
+
 SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions& options) {
   options.Validate();
   options.RequireSizesOf(dataset);
+  options.RequireCamerasOf(dataset);
   const OneBlasThread one_thread;
   for (Sequence& sequence : dataset.sequences) {
     for (CameraView& view : sequence.cameras) {
@@ -410,7 +447,7 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
     if (!HasFailed(works[c])) SolveAllFrames(captures[c], options, works[c]);
     if (!HasFailed(works[c])) {
       works[c].report.mirror_is_a_guess = works[c].report.mirror.starts_with("undecided") && !start.knows_depth_sign;
-      WriteSolution(captures[c], works[c].solution, *works[c].check, dataset);
+      WriteSolution(captures[c], works[c].solution, *works[c].check, works[c].synchronisation.times, dataset);
       PlaceCapture(captures[c], options, dataset, works[c].report);
     } else {
       WriteNothing(captures[c], dataset);

@@ -2,6 +2,7 @@
 //
 // Each capture is solved by itself:
 //
+//   0. Where nobody synchronised the cameras: when each began (synchronisation.h).
 //   1. The cameras and bone lengths, from some frames and the start's poses. Both ways round in depth are tried
 //      (calibration.h).
 //   2. Cameras that do not fit the others are corrected or left out, and 1 is repeated without the fault
@@ -22,6 +23,7 @@
 #include "canonpose/scene/world.h"
 #include "canonpose/solve/observations.h"
 #include "canonpose/solve/report.h"
+#include "canonpose/solve/synchronisation.h"
 
 namespace canonpose {
 
@@ -33,11 +35,15 @@ struct SolveOptions {
   WorldMeasures measures{};         ///< of people or between cameras, for millimetres
   bool calibrated_scale = false;    ///< millimetres by the distances between calibrated cameras instead
   std::string distortion = "auto";  ///< of static cameras' lenses; auto: found where keypoints show it; none: none
+  GivenOffsets offsets{};           ///< of cameras that began later than the others; those not given are found
   /// Names of cameras that share their distortion, being of one model, group by group; {{"all"}}: all of them do.
   std::vector<std::vector<std::string>> same_lens{};
 
   /// Throws Error(kInvalidArgument).
   void Validate() const;
+  /// Throws Error(kInvalidArgument) where `offsets` names a camera that the dataset lacks, or all that it has. To be
+  /// called before the start's poses are found.
+  void RequireCamerasOf(const Dataset& dataset) const;
   /// Throws Error(kInvalidArgument) where sizes or lenses are of others than the people and cameras of the dataset, or
   /// a calibration is to give them and there is none. To be called before the start's poses are found.
   void RequireSizesOf(const Dataset& dataset) const;
@@ -48,7 +54,7 @@ struct SolveOptions {
 /// subject add up to 1. What could not be solved is NaN, and the report says why.
 ///
 /// Throws Error(kComputation) with the reasons where no capture can be solved, Error(kInvalidArgument) where
-/// RequireSizesOf() does.
+/// RequireSizesOf() or RequireCamerasOf() does.
 SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions& options);
 
 }  // namespace canonpose

@@ -65,7 +65,7 @@ void DropFrames(int view, int first, int count, CaptureObservations& capture) {
   }
 }
 
-double ViewCorrection::TimeOf(int t) const {
+double ViewCorrection::TimeOf(double t) const {
   const double time = reading.time.At(t) + offset_frames;
   for (const BadStretch& stretch : bad) {
     if (t < stretch.first || t >= stretch.first + stretch.count) continue;

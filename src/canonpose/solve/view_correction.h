@@ -54,8 +54,8 @@ struct ViewCorrection {
   std::vector<BadStretch> bad;
 
   [[nodiscard]] bool IsNone() const { return reading.IsIdentity() && offset_frames == 0 && bad.empty(); }
-  /// The time of the view's frame t in frames of the clip; NaN where the frame is left out.
-  [[nodiscard]] double TimeOf(int t) const;
+  /// The time of the view's frame t, or of a time between frames, in frames of the clip; NaN where it is left out.
+  [[nodiscard]] double TimeOf(double t) const;
 };
 
 /// Corrects what a view saw in a clip: keypoints, confidences and start poses move to the frames of the other views,

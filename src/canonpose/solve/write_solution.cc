@@ -35,16 +35,26 @@ int NearestKnownFrame(const RigEstimate& estimate, const ClipRange& clip, int fr
   return -1;
 }
 
-/// The cameras of a view's own frames, which `correction` takes to those of the capture.
+/// The time of a view as it was recorded.
+struct OwnTime {
+  TimeMap clock;  ///< to the frames that `correction` begins with
+  const ViewCorrection& correction;
+
+  /// The time of the view's frame t in frames of the clip; NaN where it is left out.
+  [[nodiscard]] double At(int t) const { return correction.TimeOf(clock.At(t)); }
+  [[nodiscard]] double rate() const { return correction.reading.time.rate * clock.rate; }
+};
+
+/// The cameras of a view's own frames.
 void WriteCameras(const CaptureObservations& capture, const RigEstimate& estimate, const ClipRange& clip, int v,
-                  const ViewCorrection& correction, CameraView& view) {
+                  const OwnTime& own, CameraView& view) {
   if (capture.static_cameras) {
     if (estimate.CameraAt(0, v).valid) view.solved_calibration = {CameraOf(capture, estimate, 0, v)};
     return;
   }
   if (NearestKnownFrame(estimate, clip, clip.first, v) < 0) return;
   for (int t = 0; t < clip.count; ++t) {
-    const double time = correction.TimeOf(t);
+    const double time = own.At(t);
     const int n = std::isfinite(time) ? std::clamp(static_cast<int>(std::lround(time)), 0, clip.count - 1) : t;
     const int known = NearestKnownFrame(estimate, clip, clip.first + n, v);
     view.solved_calibration.push_back(CameraOf(capture, estimate, known, v));
@@ -52,12 +62,20 @@ void WriteCameras(const CaptureObservations& capture, const RigEstimate& estimat
 }
 
 /// CameraView::solved_frames.
-std::vector<double> FramesShown(const ViewCorrection& correction, const ClipRange& clip) {
+std::vector<double> FramesShown(const OwnTime& own, const ClipRange& clip) {
   const auto is_jump = [](const BadStretch& bad) { return bad.fault == StretchFault::kTimeJump; };
-  if (correction.reading.time.rate == 1.0 && std::ranges::none_of(correction.bad, is_jump)) return {};
+  if (own.rate() == 1.0 && std::ranges::none_of(own.correction.bad, is_jump)) return {};
   std::vector<double> frames;
-  for (int t = 0; t < clip.count; ++t) frames.push_back(correction.TimeOf(t));
+  for (int t = 0; t < clip.count; ++t) frames.push_back(own.At(t));
   return frames;
+}
+
+/// CameraView::time_offset_seconds.
+double OffsetSeconds(const OwnTime& own, const ClipRange& clip) {
+  const ViewCorrection& correction = own.correction;
+  const double after_clock =
+      correction.offset_frames + (correction.reading.time.rate == 1.0 ? correction.reading.time.offset : 0.0);
+  return (own.clock.offset + after_clock) / clip.fps;
 }
 
 /// Keypoints as the correction reads them.
@@ -128,9 +146,8 @@ class ViewWriter {
              const ClipRange& clip, int view)
       : capture_(capture), estimate_(solution.estimate), states_(states), clip_(clip), view_(view) {}
 
-  /// Poses in the view's own frames, which `correction` takes to those of the capture.
-  [[nodiscard]] PoseSequence Poses(const ViewCorrection& correction, const Skeleton& skeleton,
-                                   const CameraView& view) const;
+  /// Poses in the view's own frames.
+  [[nodiscard]] PoseSequence Poses(const OwnTime& own, const Skeleton& skeleton, const CameraView& view) const;
 
  private:
   /// A joint in the camera's frame at a time in frames of the clip, between frames by linear interpolation; NaN where
@@ -161,11 +178,10 @@ Eigen::Vector3d ViewWriter::InCameraAt(double time, int joint) const {
   return (1.0 - share) * at(before) + share * at(before + 1);
 }
 
-PoseSequence ViewWriter::Poses(const ViewCorrection& correction, const Skeleton& skeleton,
-                               const CameraView& view) const {
+PoseSequence ViewWriter::Poses(const OwnTime& own, const Skeleton& skeleton, const CameraView& view) const {
   PoseSequence solved = NothingSolved(skeleton, clip_, view);
   for (int t = 0; t < clip_.count; ++t) {
-    const double time = correction.TimeOf(t);
+    const double time = own.At(t);
     if (!(time >= 0.0 && time <= clip_.count - 1.0)) continue;
     for (int j = 0; j < capture_.joint_count(); ++j) {
       const Eigen::Vector3d position = InCameraAt(time, j);
@@ -185,21 +201,20 @@ PoseSequence ViewWriter::Poses(const ViewCorrection& correction, const Skeleton&
 }  // namespace
 
 void WriteSolution(const CaptureObservations& capture, const Solution& solution, const CameraCheck& check,
-                   Dataset& dataset) {
+                   const std::vector<std::vector<TimeMap>>& clocks, Dataset& dataset) {
   const JointStates states = StatesOf(capture, solution);
   for (std::size_t c = 0; c < capture.clips.size(); ++c) {
     const ClipRange& clip = capture.clips[c];
     for (CameraView& view : dataset.sequences[clip.sequence].cameras) {
       const int v = capture.FindView(view.name);
       const ViewCorrection& correction = check.At(static_cast<int>(c), v);
+      const OwnTime own{clocks[c][static_cast<std::size_t>(v)], correction};
       view.image_size = capture.cameras[static_cast<std::size_t>(v)].image_size_px;
       CorrectKeypoints(dataset.skeleton, correction.reading, view);
-      view.solved = ViewWriter(capture, solution, states, clip, v).Poses(correction, dataset.skeleton, view);
-      const double offset_frames =
-          correction.offset_frames + (correction.reading.time.rate == 1.0 ? correction.reading.time.offset : 0.0);
-      view.time_offset_seconds = offset_frames / clip.fps;
-      view.solved_frames = FramesShown(correction, clip);
-      WriteCameras(capture, solution.estimate, clip, v, correction, view);
+      view.solved = ViewWriter(capture, solution, states, clip, v).Poses(own, dataset.skeleton, view);
+      view.time_offset_seconds = OffsetSeconds(own, clip);
+      view.solved_frames = FramesShown(own, clip);
+      WriteCameras(capture, solution.estimate, clip, v, own, view);
     }
   }
 }

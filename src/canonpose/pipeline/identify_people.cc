@@ -92,6 +92,10 @@ IdentifiedPeople IdentifyPeople(Dataset& dataset, const std::string& file, const
         ThrowBadInput({file, "/sequences/" + sequence.name, "static cameras, where several people are told apart",
                        "moving ones", "import the people one by one with `person`"});
       }
+      if (sequence.timing == FrameTiming::kOwn) {
+        ThrowBadInput({file, "/sequences/" + sequence.name, "synchronised cameras, where several people are told apart",
+                       "cameras that began at different times", "import the people one by one with `person`"});
+      }
       if (sequence.cameras.size() < 2) {
         ThrowBadInput({file, "/sequences/" + sequence.name, "at least two cameras", "one",
                        "import the views of all cameras together"});

@@ -219,6 +219,7 @@ class RecordingRun {
   void View() {
     StepCommand command{"view", {StepValue::Result(kSolved)}, {}};
     command.fields.emplace_back("report", StepValue::Result(kSolveReport));
+    command.fields.emplace_back("title", StepValue::Text(report_.name));
     command.fields.emplace_back("output", StepValue::Output(kPage));
     chain_.Do({"view", "Making the page", command, {kPage}});
     report_.page = folder_ / kPage;

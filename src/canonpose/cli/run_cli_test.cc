@@ -139,6 +139,7 @@ TEST(ProgramRun, ClosingLinesSayWhatANewcomerNeeds) {
                                     HasSubstr("this result: "), HasSubstr((folder / "run/page.html").string()),
                                     HasSubstr("exports/poses.csv"), HasSubstr("exports/poses.glb"),
                                     HasSubstr("without --no-train"), HasSubstr("Lengths are in millimetres.")));
+  EXPECT_NE(ReadFile(folder / "run/page.html").find("<title>run"), std::string::npos);
 }
 
 TEST(ProgramRun, RefusesBeforeAnythingIsDone) {

@@ -54,6 +54,7 @@ std::string DescribeFiles(const RunReport& report, const fs::path& folder) {
          extension == ".csv"   ? "3D poses as a table: x, y and z of every joint in every frame"
          : extension == ".trc" ? "the same for OpenSim"
          : extension == ".c3d" ? "the same for Visual3D and other programs of motion analysis"
+         : extension == ".glb" ? "people and cameras in 3D, for Blender and web viewers"
          : extension == ".bvh" ? "the motion of a skeleton, for Blender and game engines"
                                : "the same in another format");
   }

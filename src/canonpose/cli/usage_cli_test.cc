@@ -67,8 +67,9 @@ TEST(Usage, AnUnknownCommandIsNamedWithTheNearest) {
   ExpectMistake({"imprt"}, "error: there is no command \"imprt\"; did you mean import? (canonpose help lists them)");
   ExpectMistake({"evaluate-all"}, AllOf(HasSubstr("\"evaluate-all\""), HasSubstr("did you mean evaluate?")));
   ExpectMistake({"help", "trian"}, AllOf(HasSubstr("\"trian\""), HasSubstr("did you mean train?")));
-  ExpectMistake({"fly", "--high"}, AllOf(HasSubstr("\"fly\""), HasSubstr("the commands are detect, import, simulate"),
-                                         Not(HasSubstr("mean"))));
+  ExpectMistake(
+      {"fly", "--high"},
+      AllOf(HasSubstr("\"fly\""), HasSubstr("the commands are run, detect, import, simulate"), Not(HasSubstr("mean"))));
   ExpectMistake({}, AllOf(HasSubstr("a command is missing"), HasSubstr("info")));
 }
 

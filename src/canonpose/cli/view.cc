@@ -32,6 +32,7 @@ struct ViewArguments {
   std::vector<fs::path> inputs;
   std::vector<fs::path> reports;
   fs::path output;
+  std::string title;  // empty: the inputs' names
   StripOptions strip;
 };
 
@@ -91,6 +92,9 @@ void RunView(const ViewArguments& arguments) {
     ThrowInvalidArgument("{} reports for {} inputs: give one for each, in their order", arguments.reports.size(),
                          arguments.inputs.size());
   }
+  if (!arguments.title.empty() && arguments.inputs.size() != 1) {
+    ThrowInvalidArgument("--title is for one input; several are told apart by their names");
+  }
   std::vector<ShownResult> results;
   for (std::size_t i = 0; i < arguments.inputs.size(); ++i) {
     results.push_back(ReadShownResult(arguments.inputs[i]));
@@ -107,6 +111,7 @@ void RunView(const ViewArguments& arguments) {
               << std::flush;
     return;
   }
+  if (!arguments.title.empty()) results.front().name = arguments.title;
   for (std::size_t i = 0; i < results.size(); ++i) results[i].evaluation = Evaluate(arguments.inputs[i]);
   const std::string page = MakePage(results);
   WriteFileAtomically(arguments.output, page);
@@ -133,6 +138,8 @@ void AddViewCommand(CLI::App& app) {
       ->add_option("--report", arguments->reports,
                    "What solve wrote with --json, to be shown in the page: one for each input, in their order")
       ->allow_extra_args(false);
+  command->add_option("--title", arguments->title, "What the page is called (default: the input's name)")
+      ->type_name("NAME");
   command
       ->add_option("--svg", arguments->strip.frames,
                    "Write these frames, counted from 0, as a strip of skeletons instead: A,B,...")

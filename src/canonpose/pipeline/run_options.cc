@@ -59,6 +59,7 @@ const std::vector<RunOption>& RunOptionTable() {
       {"solve", "mirror"},
       {"solve", "bootstrap"},
       {"solve", "threads", For::kBoth, false},
+      {"evaluate", "exclude_joints"},
       {"train", "preset"},
       {"train", "epochs"},
       {"train", "width"},

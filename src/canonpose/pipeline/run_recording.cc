@@ -219,6 +219,7 @@ class RecordingRun {
   void View() {
     StepCommand command{"view", {StepValue::Result(kSolved)}, {}};
     command.fields.emplace_back("report", StepValue::Result(kSolveReport));
+    command.fields.emplace_back("title", StepValue::Text(report_.name));
     command.fields.emplace_back("output", StepValue::Output(kPage));
     chain_.Do({"view", "Making the page", command, {kPage}});
     report_.page = folder_ / kPage;
@@ -253,6 +254,7 @@ class RecordingRun {
                 const char* output) {
     StepCommand command{"evaluate", {}, {{"json", StepValue::Output(output)}}};
     for (const char* const input : inputs) command.arguments.push_back(StepValue::Result(input));
+    AddFields(options_, inputs_, command);
     chain_.Do({name, title, command, {output}});
     const nlohmann::json json = nlohmann::json::parse(ReadFile(folder_ / output), nullptr, false);
     const auto error = json.is_object() ? json.find("n_mpjpe_mm") : json.end();

@@ -20,7 +20,7 @@ constexpr double kScatterStillFalls = 0.9;
 constexpr int kMaxRounds = 4;
 /// Frames that suffice to see whether lenses distort.
 constexpr int kScreeningFrames = 120;
-constexpr int kIterations = 50;
+constexpr int kScreeningIterations = 50;
 
 CaptureLenses LensesOf(const CaptureObservations& capture, const std::vector<int>& lens_of_view) {
   CaptureLenses lenses;
@@ -43,7 +43,7 @@ bool AdjustToScatter(std::span<const int> frames, CaptureLenses* lenses, Capture
                      Solution& solution) {
   AdjustmentOptions options;
   options.fixed_view = FirstValidView(solution.estimate, frames.front());
-  options.iterations = kIterations;
+  options.iterations = kScreeningIterations;
   for (int round = 0; round < kMaxRounds; ++round) {
     options.scales = solution.scales;
     solution.calibration_summary = lenses == nullptr

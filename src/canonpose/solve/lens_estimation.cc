@@ -38,7 +38,8 @@ int FirstValidView(const RigEstimate& estimate, int frame) {
 }
 
 /// Adjusts with the scatter of keypoints as it was measured last and measures it again, until it hardly falls. Finds
-/// `lenses`, too, and undistorts the keypoints with them; null: keypoints stay as they are. Returns whether it succeeded.
+/// `lenses`, too, and undistorts the keypoints with them; null: keypoints stay as they are. Returns whether it
+/// succeeded.
 bool AdjustToScatter(std::span<const int> frames, CaptureLenses* lenses, CaptureObservations& capture,
                      Solution& solution) {
   AdjustmentOptions options;

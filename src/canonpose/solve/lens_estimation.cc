@@ -20,7 +20,7 @@ constexpr double kScatterStillFalls = 0.9;
 constexpr int kMaxRounds = 4;
 /// Frames that suffice to see whether lenses distort.
 constexpr int kScreeningFrames = 120;
-constexpr int kIterations = 50;
+constexpr int kScreeningIterations = 50;
 
 CaptureLenses LensesOf(const CaptureObservations& capture, const std::vector<int>& lens_of_view) {
   CaptureLenses lenses;
@@ -38,12 +38,13 @@ int FirstValidView(const RigEstimate& estimate, int frame) {
 }
 
 /// Adjusts with the scatter of keypoints as it was measured last and measures it again, until it hardly falls. Finds
-/// `lenses`, too, and undistorts the keypoints with them; null: keypoints stay as they are. Returns whether it succeeded.
+/// `lenses`, too, and undistorts the keypoints with them; null: keypoints stay as they are. Returns whether it
+/// succeeded.
 bool AdjustToScatter(std::span<const int> frames, CaptureLenses* lenses, CaptureObservations& capture,
                      Solution& solution) {
   AdjustmentOptions options;
   options.fixed_view = FirstValidView(solution.estimate, frames.front());
-  options.iterations = kIterations;
+  options.iterations = kScreeningIterations;
   for (int round = 0; round < kMaxRounds; ++round) {
     options.scales = solution.scales;
     solution.calibration_summary = lenses == nullptr

@@ -13,7 +13,8 @@ namespace canonpose {
 
 /// Which lens each camera of a capture has (V), numbered from 0: cameras that `same_lens` names together share one, all
 /// of them where it is {{"all"}}. Cameras of other captures are passed over.
-std::vector<int> LensOfViews(const CaptureObservations& capture, const std::vector<std::vector<std::string>>& same_lens);
+std::vector<int> LensOfViews(const CaptureObservations& capture,
+                             const std::vector<std::vector<std::string>>& same_lens);
 
 /// Finds the lenses together with cameras, bone lengths and joints of some of `frames` (ascending), beginning with
 /// `solution`, a calibration of `frames`. If that explains the keypoints better by several standard errors, undistorts

@@ -151,7 +151,9 @@ void AddScenes(py::module_& module) {
       "read_scenes",
       [](const std::filesystem::path& path) { return Result({py::none()}, [&] { return ReadScenes(path); }); },
       py::arg("path"), "The scenes of a file: a scene file, or a solved dataset.");
-  module.def("scenes_of", &ScenesOf, py::arg("dataset"), "The scenes of a solved dataset: one for each sequence, but one of several people where they were filmed together.");
+  module.def("scenes_of", &ScenesOf, py::arg("dataset"),
+             "The scenes of a solved dataset: one for each sequence, but one of several people where they were filmed "
+             "together.");
 }
 
 }  // namespace canonpose::python

@@ -24,8 +24,10 @@ namespace {
 /// What views must have in common to be compared, or this share of the shortest recording where that is less.
 constexpr double kMinOverlapSeconds = 5.0;
 constexpr double kMinOverlapShare = 0.5;
-/// Candidates whose motion is less alike than this share of the likeliest one's are not tried.
+/// Candidates whose motion is less alike than this share of the likeliest one's are not tried; the second share is that
+/// where the evidence is weak.
 constexpr double kWorthTrying = 0.8;
+constexpr double kWorthTryingInDoubt = 0.4;
 /// Rounds of calibration and refinement, for every candidate and for the best of them; they end where no clock moves by
 /// more than this.
 constexpr int kFirstRounds = 1;
@@ -45,10 +47,14 @@ constexpr double kSamePlaceSeconds = 0.12;
 /// Errors are capped here, in body units, as in CappedError().
 constexpr double kLargestError = 0.03;
 
-/// A view is placed where its motion is this much more like the others' than by chance, in standard deviations, ...
-constexpr double kMinEvidence = 12.0;
-/// ... no other place has an error below this multiple of the best one's ...
+/// A view is placed where its motion is this much more like the others' than by chance, in standard deviations (other
+/// places reach 8), ...
+constexpr double kStrongEvidence = 12.0;
+/// ... no other place that was tried has an error below this multiple of the best one's ...
 constexpr double kClearlyBetter = 1.08;
+/// ... or, with the first evidence, all of them have the second multiple, as in recordings of a second or two, ...
+constexpr double kMinEvidence = 5.0;
+constexpr double kFarBetter = 1.3;
 /// ... and the place is known to this.
 constexpr double kMaxDeviationSeconds = 0.015;
 /// Below this multiple of the error as recorded, another candidate replaces it where cameras may be in step.
@@ -219,9 +225,14 @@ std::vector<Trial> ClipSynchroniser::TryCandidates() const {
   search.as_recorded = clip_.timing == FrameTiming::kUnsure;
   std::vector<Trial> trials;
   const std::vector<ClockCandidate> candidates = FindClockCandidates(recorded_, 0, search);
+  // A view with even less evidence is not placed in any case.
+  const bool is_weak = !candidates.empty() && std::ranges::any_of(candidates.front().evidence, [](double evidence) {
+    return evidence >= kMinEvidence && evidence < kStrongEvidence;
+  });
+  const double worth_trying = is_weak ? kWorthTryingInDoubt : kWorthTrying;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const bool is_last = i + 1 == candidates.size() && search.as_recorded;
-    if (!is_last && candidates[i].score < kWorthTrying * candidates.front().score) continue;
+    if (!is_last && candidates[i].score < worth_trying * candidates.front().score) continue;
     trials.emplace_back().candidate = candidates[i];
   }
   const int rounds = recorded_.static_cameras ? kClockRounds : kMovingRounds;
@@ -250,7 +261,13 @@ std::vector<ViewClockEstimate> ClipSynchroniser::Judge(const std::vector<Trial>&
     clock.deviation_seconds = best.deviations.empty() ? 0.0 : best.deviations[i] / clip_.fps;
     double runner_up = std::numeric_limits<double>::infinity();
     for (const Trial& trial : trials) {
-      if (trial.is_usable && AreApart(trial, best, v)) runner_up = std::min(runner_up, trial.error);
+      if (!trial.is_usable) continue;
+      bool are_apart = AreApart(trial, best, v);
+      // The root's own time is always the same: it is apart where another view is.
+      for (int w = 0; v == best.candidate.root && w < recorded_.view_count(); ++w) {
+        are_apart = are_apart || AreApart(trial, best, w);
+      }
+      if (are_apart) runner_up = std::min(runner_up, trial.error);
     }
     clock.runner_up = std::isfinite(runner_up) ? runner_up / best.error : 0.0;
     clock.source = given_.contains(clock.camera) ? ClockSource::kGiven : ClockSource::kMotion;
@@ -258,10 +275,11 @@ std::vector<ViewClockEstimate> ClipSynchroniser::Judge(const std::vector<Trial>&
     if (!ShowsAnything(v)) {
       clock.source = ClockSource::kUnknown;
       clock.reason = "never shows the person";
-    } else if (clock.evidence < kMinEvidence) {
+    } else if (clock.evidence < kMinEvidence || (clock.evidence < kStrongEvidence && clock.runner_up == 0.0)) {
       clock.source = ClockSource::kUnknown;
       clock.reason = "shows no motion that tells when it was recorded";
-    } else if (clock.runner_up > 0.0 && clock.runner_up < kClearlyBetter) {
+    } else if (clock.runner_up > 0.0 &&
+               clock.runner_up < (clock.evidence < kStrongEvidence ? kFarBetter : kClearlyBetter)) {
       clock.source = ClockSource::kUnknown;
       clock.reason = "shows motion that repeats itself, so that it fits at several times";
     } else if (clock.deviation_seconds > kMaxDeviationSeconds) {

@@ -139,7 +139,10 @@ void CheckViewsAndLenses(CaptureObservations& capture, const SolveOptions& optio
 
 /// Finds the cameras of a capture, or sets the failure in the report. Corrects `capture`: views that are out of step
 /// are shifted, those that show somebody else removed. `tell` hears what is being done.
-void FindCameras(CaptureObservations& capture, const SolveOptions& options,
+///
+/// `was_told_apart`: that the cameras show the same people has been found person by person (identities.h). A person
+/// whom others hide from a camera must not cost everybody that camera, so none is left out.
+void FindCameras(CaptureObservations& capture, const SolveOptions& options, bool was_told_apart,
                  const std::function<void(const std::string&)>& tell, CaptureWork& work) {
   work.report.name = capture.name;
   work.report.static_cameras = capture.static_cameras;
@@ -176,7 +179,15 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options,
   work.solution = capture.static_cameras ? ChooseLens(capture, calibration) : calibrate(capture);
   const AdjustmentSummary& summary = work.solution.calibration_summary;
   if (summary.IsUsable()) CorrectImageSizes(capture, calibrate, calibrate_quickly, work.solution);
-  if (summary.IsUsable()) CheckViewsAndLenses(capture, options, calibration, calibrate, calibrate_quickly, work);
+  if (was_told_apart) {
+    work.check.emplace(capture);
+    if (summary.IsUsable() && options.distortion != "none") {
+      FindLenses(CalibrationFrames(capture, calibration), LensOfViews(capture, options.same_lens), calibrate, capture,
+                 work.solution);
+    }
+  } else if (summary.IsUsable()) {
+    CheckViewsAndLenses(capture, options, calibration, calibrate, calibrate_quickly, work);
+  }
   if (HasFailed(work)) return;
   // Only now: in a view that does not fit as a whole, any keypoint seems invented.
   if (summary.IsUsable()) {
@@ -436,7 +447,8 @@ SolveReport Solve(Dataset& dataset, const StartPoses& start, const SolveOptions&
     ThrowIfStopRequested();
     const auto tell = [&](const std::string& what) { progress.Update(done, captures[c].name + ", " + what); };
     tell("cameras");
-    FindCameras(captures[c], options, tell, works[c]);
+    const bool was_told_apart = !dataset.sequences[captures[c].clips.front().sequence].scene.empty();
+    FindCameras(captures[c], options, was_told_apart, tell, works[c]);
     ++done;
   }
   PoolBones(captures, works);

@@ -94,8 +94,9 @@ struct PeopleReport {
 };
 
 struct SolveReport {
-  std::vector<PeopleReport> people;  ///< of recordings of several people; set by whoever told them apart
   std::vector<CaptureReport> captures;
+  /// Of recordings of several people; set by whoever told them apart.
+  std::vector<PeopleReport> people{};
   /// Why the poses of some captures cannot be believed although they are solved, and what to do about it: which way
   /// round depth is remained a guess. Empty where nothing speaks against them.
   [[nodiscard]] std::string Doubt() const;

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "canonpose/base/random.h"
+#include "canonpose/base/testing.h"
 #include "canonpose/geometry/angles.h"
 
 namespace canonpose {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "canonpose/base/median.h"

@@ -79,8 +79,8 @@ class PeopleTracker {
     std::vector<LaneSighting> free = Sightings();
     for (Followed& followed : people_followed_) followed.seen.clear();
     AssignPredicted(free);
-    for (std::size_t p = 0; p < people_followed_.size(); ++p) {
-      if (!people_followed_[p].seen.empty()) Update(people_followed_[p], free);
+    for (Followed& followed : people_followed_) {
+      if (!followed.seen.empty()) Update(followed, free);
     }
     AssignLeftOver(free);
     for (const std::vector<LaneSighting>& group : new_people_.Find(free, frame)) Welcome(group);

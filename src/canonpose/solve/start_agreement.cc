@@ -57,10 +57,10 @@ StartAgreement::StartAgreement(const PeopleObservations& people)
       view_count_(people.lanes.view_count),
       pairs_(static_cast<std::size_t>(view_count_) * static_cast<std::size_t>(view_count_)) {
   const Lanes& lanes = people.lanes;
-  const double step = std::min(lanes.fps / kSlotsPerSecond, static_cast<double>(lanes.frame_count) / kMinSlots);
-  for (double frame = 0.0; frame < lanes.frame_count; frame += std::max(1.0, step)) {
-    frames_.push_back(static_cast<int>(frame));
-  }
+  const double step =
+      std::max(1.0, std::min(lanes.fps / kSlotsPerSecond, static_cast<double>(lanes.frame_count) / kMinSlots));
+  const int slots = static_cast<int>(std::ceil(lanes.frame_count / step));
+  for (int slot = 0; slot < slots; ++slot) frames_.push_back(static_cast<int>(slot * step));
   for (std::size_t i = 0; i < lanes.tracklets.size(); ++i) {
     for (std::size_t k = 0; k < lanes.tracklets.size(); ++k) {
       if (lanes.tracklets[i].view < lanes.tracklets[k].view) AddPair(static_cast<int>(i), static_cast<int>(k));

@@ -93,7 +93,6 @@ class ClipSynchroniser {
                    const Calibrate& calibrate_quickly)
       : recorded_(SingleClip(capture, clip)),
         clip_(capture.clips[static_cast<std::size_t>(clip)]),
-        number_(clip),
         given_(given),
         calibrate_(calibrate_quickly) {
     CollectGiven();
@@ -121,7 +120,6 @@ class ClipSynchroniser {
 
   CaptureObservations recorded_;  ///< the clip alone
   ClipRange clip_;
-  int number_;
   const GivenOffsets& given_;
   const Calibrate& calibrate_;
   std::vector<double> known_;  ///< (V) offsets in frames; NaN where not given

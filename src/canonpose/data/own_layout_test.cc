@@ -149,7 +149,7 @@ void WriteMice(const fs::path& folder) {
       scorer += ",net,net,net";
       coords += ",x,y,likelihood";
     }
-    std::string text = scorer + "\n" + parts + "\n" + coords + "\n";
+    std::string text = fmt::format("{}\n{}\n{}\n", scorer, parts, coords);
     for (int t = 0; t < clip.frame_count(); ++t) {
       text += fmt::format("{}", t);
       for (int k = 0; k < clip.keypoint_count; ++k) {

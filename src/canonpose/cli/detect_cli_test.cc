@@ -18,17 +18,9 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using testing::Execute;
 using ::testing::HasSubstr;
+using testing::ModelFolder;
 using testing::Outcome;
 using testing::TemporaryFolder;
-
-/// Where the program looks for the detector.
-fs::path ModelFolder() {
-  if (const char* const models = std::getenv("CANONPOSE_MODELS")) return models;
-  const char* const data = std::getenv("XDG_DATA_HOME");
-  const char* const home = std::getenv("HOME");
-  if (data != nullptr) return fs::path(data) / "canonpose/movenet";
-  return home == nullptr ? fs::path() : fs::path(home) / ".local/share/canonpose/movenet";
-}
 
 TEST(ProgramDetect, SaysHowToGetTheDetector) {
   const TemporaryFolder folder;

@@ -1,6 +1,7 @@
 // Shared by tests only: runs the program and returns what it printed and how it ended.
 #pragma once
 
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -29,6 +30,15 @@ struct Outcome {
                          end - (begin == std::string::npos ? 0 : begin + 1) + 1);
   }
 };
+
+/// Where the program looks for the detector.
+inline std::filesystem::path ModelFolder() {
+  if (const char* const models = std::getenv("CANONPOSE_MODELS")) return models;
+  const char* const data = std::getenv("XDG_DATA_HOME");
+  const char* const home = std::getenv("HOME");
+  if (data != nullptr) return std::filesystem::path(data) / "canonpose/movenet";
+  return home == nullptr ? std::filesystem::path() : std::filesystem::path(home) / ".local/share/canonpose/movenet";
+}
 
 /// Turns this process into the program.
 [[noreturn]] inline void Become(const std::vector<std::string>& arguments) {

@@ -26,13 +26,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The path of `canonpose`, which works in any folder. This may be the program with the networks (with_torch.h), beside
-/// it or, where it is installed, in libexec.
+/// The path of `canonpose`, which works in any folder. It may have become the program with the networks (with_torch.h).
 std::string ProgramPath() {
   std::error_code error;
   const fs::path path = fs::read_symlink("/proc/self/exe", error);
-  for (const char* const place : {"canonpose", "../../bin/canonpose"}) {
-    const fs::path program = (path.parent_path() / place).lexically_normal();
+  for (const fs::path& folder : PlacesOfProgram(path.parent_path())) {
+    const fs::path program = (folder / "canonpose").lexically_normal();
     if (!error && fs::is_regular_file(program, error)) return program.string();
   }
   return "canonpose";

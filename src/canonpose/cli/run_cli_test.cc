@@ -26,6 +26,7 @@ using testing::Execute;
 using testing::ExpectBadInput;
 using ::testing::HasSubstr;
 using testing::HasTrained;
+using testing::ModelFolder;
 using ::testing::Not;
 using testing::Outcome;
 using testing::TemporaryFolder;
@@ -162,15 +163,6 @@ TEST(ProgramRun, RefusesBeforeAnythingIsDone) {
   ExpectBadInput({"run", (folder / "gone.mp4").string(), "-o", output.string()}, HasSubstr("gone.mp4"));
   // Sizes that nothing says.
   ExpectBadInput({"run", Recording().string(), "-o", output.string()}, HasSubstr("--image-size"));
-}
-
-/// Where the program looks for the detector.
-fs::path ModelFolder() {
-  if (const char* const models = std::getenv("CANONPOSE_MODELS")) return models;
-  const char* const data = std::getenv("XDG_DATA_HOME");
-  const char* const home = std::getenv("HOME");
-  if (data != nullptr) return fs::path(data) / "canonpose/movenet";
-  return home == nullptr ? fs::path() : fs::path(home) / ".local/share/canonpose/movenet";
 }
 
 /// The first frames of a video as another, so that people are found in it in less time.

@@ -12,6 +12,10 @@ namespace canonpose {
 
 void BeginWithNetworks(int, char**) {}
 
+std::vector<std::filesystem::path> PlacesOfProgram(const std::filesystem::path& folder) {
+  return {folder, folder / CANONPOSE_BIN_FROM_LIBEXEC};
+}
+
 std::shared_ptr<const void> UseOneThread() { return std::make_shared<const ThreadScope>(0); }
 
 std::string DescribeLinearAlgebra() {

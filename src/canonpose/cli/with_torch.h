@@ -20,6 +20,9 @@ namespace canonpose {
 /// one takes this one's place. Throws Error(kBadInput) where there is none.
 void BeginWithNetworks(int argc, char** argv);
 
+/// The folders in which `canonpose` may be, if this program is in `folder`.
+std::vector<std::filesystem::path> PlacesOfProgram(const std::filesystem::path& folder);
+
 /// Networks are computed by one thread while the result lives, except in training, which chooses for itself.
 std::shared_ptr<const void> UseOneThread();
 

@@ -36,6 +36,8 @@ void AddLiftCommand(CLI::App& app) { AddAbsentCommand(app, "lift", "Lift the 2D 
 
 void BeginWithNetworks(int, char**) {}
 
+std::vector<std::filesystem::path> PlacesOfProgram(const std::filesystem::path& folder) { return {folder}; }
+
 std::shared_ptr<const void> UseOneThread() { return nullptr; }
 
 std::string DescribeLinearAlgebra() { return "null"; }

@@ -14,6 +14,7 @@
 #include "canonpose/base/log.h"
 #include "canonpose/base/median.h"
 #include "canonpose/data/video_times.h"
+#include "canonpose/geometry/interpolation.h"
 
 namespace canonpose {
 namespace {
@@ -75,13 +76,10 @@ void TimedClip::Copy(std::ptrdiff_t frame, std::size_t to, KeypointClip& resampl
 
 void TimedClip::Interpolate(std::ptrdiff_t before, double share, std::size_t to, KeypointClip& resampled) const {
   const double s = share;
-  const std::array<double, 4> cubic = {0.5 * s * (-s * s + 2.0 * s - 1.0), 0.5 * (3.0 * s * s * s - 5.0 * s * s + 2.0),
-                                       0.5 * s * (-3.0 * s * s + 4.0 * s + 1.0), 0.5 * s * s * (s - 1.0)};
   for (int k = 0; k < clip_.keypoint_count; ++k) {
     if (!Sees(before, k) || !Sees(before + 1, k)) continue;
-    std::array<double, 4> weights = {0.0, 1.0 - s, s, 0.0};
     const bool has_outer = IsNext(before - 1) && IsNext(before + 1) && Sees(before - 1, k) && Sees(before + 2, k);
-    if (has_outer) weights = cubic;
+    const std::array<double, 4> weights = has_outer ? CubicWeights(s) : LinearWeights(s);
     std::array<double, 2> point = {0.0, 0.0};
     for (std::ptrdiff_t i = 0; i < 4; ++i) {
       const double weight = weights[static_cast<std::size_t>(i)];

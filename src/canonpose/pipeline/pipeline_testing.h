@@ -3,12 +3,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
+#include "canonpose/pipeline/recording_inputs.h"
 #include "canonpose/solve/solve_testing.h"
 
 namespace canonpose::testing {
+
+/// A frame of OpenPose in which nobody is seen.
+inline void WriteFrame(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "frame_000000000000_keypoints.json") << R"({"version": 1.3, "people": []})";
+}
+
+inline std::vector<std::string> NamesOf(const RecordingInputs& inputs) {
+  std::vector<std::string> names;
+  for (const RecordedCamera& camera : inputs.cameras) names.push_back(camera.name);
+  return names;
+}
 
 inline Dataset SmallCapture(const std::string& rig) {
   SimulationOptions options = SmallSimulation();

@@ -19,18 +19,9 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
+using testing::NamesOf;
 using testing::TemporaryFolder;
-
-void WriteFrame(const fs::path& folder) {
-  fs::create_directories(folder);
-  std::ofstream(folder / "frame_000000000000_keypoints.json") << R"({"version": 1.3, "people": []})";
-}
-
-std::vector<std::string> NamesOf(const RecordingInputs& inputs) {
-  std::vector<std::string> names;
-  for (const RecordedCamera& camera : inputs.cameras) names.push_back(camera.name);
-  return names;
-}
+using testing::WriteFrame;
 
 TEST(RecordingInputs, KeypointsAreRecognised) {
   const TemporaryFolder folder;

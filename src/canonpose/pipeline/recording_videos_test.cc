@@ -19,19 +19,10 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using testing::ErrorOf;
 using ::testing::HasSubstr;
+using testing::NamesOf;
 using testing::PreparedCommands;
 using testing::TemporaryFolder;
-
-void WriteFrame(const fs::path& folder) {
-  fs::create_directories(folder);
-  std::ofstream(folder / "frame_000000000000_keypoints.json") << R"({"version": 1.3, "people": []})";
-}
-
-std::vector<std::string> NamesOf(const RecordingInputs& inputs) {
-  std::vector<std::string> names;
-  for (const RecordedCamera& camera : inputs.cameras) names.push_back(camera.name);
-  return names;
-}
+using testing::WriteFrame;
 
 TEST(RecordingInputs, AnythingElseIsAVideo) {
   const TemporaryFolder folder;

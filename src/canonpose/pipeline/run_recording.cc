@@ -193,7 +193,7 @@ class RecordingRun {
     }
     for (const RecordedCamera& camera : inputs_.cameras) {
       std::string subject = settings;
-      for (const fs::path& file : camera.files) subject += " " + FingerprintOfPath(file);
+      for (const fs::path& file : camera.files) subject += " " + chain_.FingerprintOf(file);
       step.parts[fmt::format("{}/{}", kKeypoints, camera.name)] = subject;
       step.parts[fmt::format("{}/.{}.journal", kKeypoints, camera.name)] = subject;
     }

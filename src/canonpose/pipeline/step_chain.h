@@ -60,6 +60,9 @@ class StepChain {
   /// Writes commands.sh: a line for each step so far, to do it all again in another folder.
   void WriteCommands() const;
 
+  /// FingerprintOfPath(), without reading what has been read already.
+  const std::string& FingerprintOf(const std::filesystem::path& path) { return fingerprints_.Of(path); }
+
  private:
   [[nodiscard]] std::string KeyOf(const Step& step);
   [[nodiscard]] bool IsDone(const StepRecord& record, const std::string& key);

@@ -18,6 +18,17 @@ constexpr int kMinCommonJoints = 3;
 
 }  // namespace
 
+Eigen::Vector3d Middle(const JointPositions& joints) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int count = 0;
+  for (const Eigen::Vector3d& joint : joints) {
+    if (!joint.allFinite()) continue;
+    sum += joint;
+    ++count;
+  }
+  return count > 0 ? Eigen::Vector3d(sum / count) : Eigen::Vector3d::Constant(std::nan(""));
+}
+
 CameraRays::CameraRays(const CaptureObservations& capture, std::span<const CameraEstimate> cameras)
     : capture_(capture), views_(cameras.size()) {
   for (std::size_t v = 0; v < cameras.size(); ++v) {

@@ -22,6 +22,9 @@ struct ViewSighting {
 /// Joints in the world (J); NaN where unknown.
 using JointPositions = std::vector<Eigen::Vector3d>;
 
+/// The mean of the known joints, where somebody is; NaN where none is known.
+Eigen::Vector3d Middle(const JointPositions& joints);
+
 class CameraRays {
  public:
   /// `capture` must outlive this; `cameras` (V) are static.

@@ -108,24 +108,36 @@ Eigen::MatrixXf Decimate(const Eigen::MatrixXf& values, int count) {
   return means;
 }
 
+/// Running sums, so that those over a range are differences.
+class RangeSums {
+ public:
+  explicit RangeSums(const Eigen::VectorXd& values) : sums_(static_cast<std::size_t>(values.size()) + 1, 0.0) {
+    for (Eigen::Index i = 0; i < values.size(); ++i) {
+      sums_[static_cast<std::size_t>(i) + 1] = sums_[static_cast<std::size_t>(i)] + values[i];
+    }
+  }
+  /// Of first .. end - 1.
+  [[nodiscard]] double Of(int first, int end) const {
+    return sums_[static_cast<std::size_t>(end)] - sums_[static_cast<std::size_t>(first)];
+  }
+
+ private:
+  std::vector<double> sums_;
+};
+
 /// The means of known values within `reach` samples of each, in time proportional to their number; NaN where there are
 /// none.
 Eigen::VectorXf MovingMean(const Eigen::Ref<const Eigen::VectorXf>& values, int reach) {
-  const Eigen::Index count = values.size();
-  std::vector<double> sums(static_cast<std::size_t>(count) + 1, 0.0);
-  std::vector<int> known(static_cast<std::size_t>(count) + 1, 0);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const bool is_known = std::isfinite(values[i]);
-    sums[k + 1] = sums[k] + (is_known ? static_cast<double>(values[i]) : 0.0);
-    known[k + 1] = known[k] + (is_known ? 1 : 0);
-  }
+  const auto count = static_cast<int>(values.size());
+  const auto is_known = values.array().isFinite();
+  const RangeSums sums(is_known.select(values.array(), 0.0F).cast<double>().matrix());
+  const RangeSums known(is_known.cast<double>().matrix());
   Eigen::VectorXf means(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const auto from = static_cast<std::size_t>(std::max<Eigen::Index>(0, i - reach));
-    const auto to = static_cast<std::size_t>(std::min<Eigen::Index>(count, i + reach + 1));
-    const int in_reach = known[to] - known[from];
-    means[i] = in_reach > 0 ? static_cast<float>((sums[to] - sums[from]) / in_reach) : kNotKnown;
+  for (int i = 0; i < count; ++i) {
+    const int from = std::max(0, i - reach);
+    const int to = std::min(count, i + reach + 1);
+    const double in_reach = known.Of(from, to);
+    means[i] = in_reach > 0.0 ? static_cast<float>(sums.Of(from, to) / in_reach) : kNotKnown;
   }
   return means;
 }
@@ -185,23 +197,6 @@ class Correlator {
  private:
   int size_;
   Eigen::FFT<float> fft_;
-};
-
-/// Running sums, so that those over a range are differences.
-class RangeSums {
- public:
-  explicit RangeSums(const Eigen::VectorXd& values) : sums_(static_cast<std::size_t>(values.size()) + 1, 0.0) {
-    for (Eigen::Index i = 0; i < values.size(); ++i) {
-      sums_[static_cast<std::size_t>(i) + 1] = sums_[static_cast<std::size_t>(i)] + values[i];
-    }
-  }
-  /// Of first .. end - 1.
-  [[nodiscard]] double Of(int first, int end) const {
-    return sums_[static_cast<std::size_t>(end)] - sums_[static_cast<std::size_t>(first)];
-  }
-
- private:
-  std::vector<double> sums_;
 };
 
 /// The samples of both signatures that meet at a lag; those of the first are `lag` more.

@@ -45,15 +45,7 @@ struct Part {
 };
 
 Eigen::Vector3d PlaceOf(const PeopleObservations& people, const CameraRays& rays, const Person& person, int frame) {
-  const JointPositions joints = JointsOf(people, rays, person, frame);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  int count = 0;
-  for (const Eigen::Vector3d& joint : joints) {
-    if (!joint.allFinite()) continue;
-    sum += joint;
-    ++count;
-  }
-  return count > 0 ? Eigen::Vector3d(sum / count) : Eigen::Vector3d::Constant(std::nan(""));
+  return Middle(JointsOf(people, rays, person, frame));
 }
 
 std::vector<double> LogBones(const PeopleObservations& people, const CameraRays& rays, const Person& person,

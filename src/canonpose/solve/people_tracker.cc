@@ -44,18 +44,6 @@ double MeanDistance(const JointPositions& a, const JointPositions& b) {
   return count > 0 ? sum / count : std::nan("");
 }
 
-/// The mean of the known joints: where somebody is.
-Eigen::Vector3d Middle(const JointPositions& joints) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  int count = 0;
-  for (const Eigen::Vector3d& joint : joints) {
-    if (!joint.allFinite()) continue;
-    sum += joint;
-    ++count;
-  }
-  return count > 0 ? Eigen::Vector3d(sum / count) : Eigen::Vector3d::Constant(std::nan(""));
-}
-
 /// A person who is being followed.
 struct Followed {
   Person person;
@@ -400,13 +388,18 @@ FollowedPeople FollowPeople(const PeopleObservations& people, const KnownCameras
   return tracker.Finish();
 }
 
-JointPositions JointsOf(const PeopleObservations& people, const CameraRays& rays, const Person& person, int frame) {
+std::vector<ViewSighting> SightingsOf(const PeopleObservations& people, const CameraRays& rays, const Person& person,
+                                      int frame, int without) {
   std::vector<ViewSighting> sightings;
   for (int v = 0; v < people.lanes.view_count; ++v) {
     const int lane = person.At(frame, v);
-    if (lane >= 0 && rays.IsKnown(v)) sightings.push_back({v, people.FrameOf(lane, frame)});
+    if (v != without && lane >= 0 && rays.IsKnown(v)) sightings.push_back({v, people.FrameOf(lane, frame)});
   }
-  return rays.Triangulate(sightings);
+  return sightings;
+}
+
+JointPositions JointsOf(const PeopleObservations& people, const CameraRays& rays, const Person& person, int frame) {
+  return rays.Triangulate(SightingsOf(people, rays, person, frame));
 }
 
 }  // namespace canonpose

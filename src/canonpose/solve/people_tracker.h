@@ -38,6 +38,10 @@ struct KnownCameras {
 /// Follows everybody through `frames` (ascending; neighbours are taken to be close in time).
 FollowedPeople FollowPeople(const PeopleObservations& people, const KnownCameras& known, std::span<const int> frames);
 
+/// What the known cameras show of a person in a frame; `without`: a view that is left out, -1 for none.
+std::vector<ViewSighting> SightingsOf(const PeopleObservations& people, const CameraRays& rays, const Person& person,
+                                      int frame, int without = -1);
+
 /// The joints of a person in a frame from all views; NaN where unknown.
 JointPositions JointsOf(const PeopleObservations& people, const CameraRays& rays, const Person& person, int frame);
 

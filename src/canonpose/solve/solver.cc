@@ -47,6 +47,12 @@ constexpr double kWideLens = 0.45;
 /// A start from wide lenses has won where the error is below this multiple.
 constexpr double kGainOfWideLens = 0.9;
 
+CalibrationOptions Quick(CalibrationOptions options) {
+  options.frames = kQuickFrames;
+  options.max_iterations = kQuickIterations;
+  return options;
+}
+
 /// A capture between the stages.
 struct CaptureWork {
   CaptureReport report;
@@ -155,9 +161,7 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options, bool
   const Calibrate calibrate_for_clocks = [&](const CaptureObservations& some) {
     tell("synchronising the cameras");
     ThrowIfStopRequested();
-    CalibrationOptions quick = calibration;
-    quick.frames = kQuickFrames;
-    quick.max_iterations = kQuickIterations;
+    CalibrationOptions quick = Quick(calibration);
     // Which way round depth is hardly changes how well clocks fit.
     if (quick.mirror == "auto") quick.mirror = "keep";
     return calibrate_with(some, quick);
@@ -166,10 +170,7 @@ void FindCameras(CaptureObservations& capture, const SolveOptions& options, bool
   const Calibrate calibrate_quickly = [&](const CaptureObservations& some) {
     tell(fmt::format("cameras do not fit, trial {}", ++trials));
     ThrowIfStopRequested();
-    CalibrationOptions quick = calibration;
-    quick.frames = kQuickFrames;
-    quick.max_iterations = kQuickIterations;
-    return calibrate_with(some, quick);
+    return calibrate_with(some, Quick(calibration));
   };
   work.synchronisation = Synchronise(capture, options.offsets, calibrate_for_clocks);
   work.report.clocks = work.synchronisation.clocks;

@@ -31,11 +31,7 @@ std::vector<JointPositions> JointsWithout(const PeopleObservations& people, cons
                                           const Person& person, int view) {
   std::vector<JointPositions> joints(static_cast<std::size_t>(people.lanes.frame_count));
   for (int t = 0; t < people.lanes.frame_count; ++t) {
-    std::vector<ViewSighting> sightings;
-    for (int v = 0; v < people.lanes.view_count; ++v) {
-      if (v == view || person.At(t, v) < 0 || !rays.IsKnown(v)) continue;
-      sightings.push_back({v, people.FrameOf(person.At(t, v), t)});
-    }
+    const std::vector<ViewSighting> sightings = SightingsOf(people, rays, person, t, view);
     if (sightings.size() >= 2) joints[static_cast<std::size_t>(t)] = rays.Triangulate(sightings);
   }
   return joints;
@@ -89,15 +85,14 @@ std::optional<CameraEstimate> PlaceView(const PeopleObservations& people, const 
                                         std::span<const Person> persons, int view) {
   const CameraRays rays(people.capture, known.cameras);
   const double log_focal = MeanLogFocal(known);
-  std::vector<const Person*> tried;
-  for (const Person& person : persons) tried.push_back(&person);
-  std::ranges::stable_sort(
-      tried, [](const Person* a, const Person* b) { return a->FramesWith(2).size() > b->FramesWith(2).size(); });
+  std::vector<std::pair<std::size_t, const Person*>> tried;  // by their number of frames
+  for (const Person& person : persons) tried.emplace_back(person.FramesWith(2).size(), &person);
+  std::ranges::stable_sort(tried, std::ranges::greater(), &std::pair<std::size_t, const Person*>::first);
   if (tried.size() > kTriedPeople) tried.resize(kTriedPeople);
   const std::vector<const Tracklet*> tracklets = LongestTracklets(people, view);
   std::optional<CameraEstimate> best;
   double least = std::numeric_limits<double>::infinity();
-  for (const Person* person : tried) {
+  for (const auto& [frames, person] : tried) {
     const std::vector<JointPositions> joints = JointsWithout(people, rays, *person, view);
     for (const Tracklet* tracklet : tracklets) {
       const std::vector<Sighting> sightings = CommonSightings(people, joints, *tracklet);

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "canonpose/base/error.h"
+#include "canonpose/geometry/interpolation.h"
 
 namespace canonpose {
 namespace {
@@ -24,14 +25,6 @@ Between PlaceOf(double frame) {
   if (std::abs(frame - nearest) < kSameFrame) return {static_cast<int>(nearest), 0.0};
   const double before = std::floor(frame);
   return {static_cast<int>(before), frame - before};
-}
-
-/// The weights of the frames before - 1 .. before + 2.
-std::array<double, 4> CubicWeights(double s) {
-  const double s2 = s * s;
-  const double s3 = s2 * s;
-  return {0.5 * (-s3 + 2.0 * s2 - s), 0.5 * (3.0 * s3 - 5.0 * s2 + 2.0), 0.5 * (-3.0 * s3 + 4.0 * s2 + s),
-          0.5 * (s3 - s2)};
 }
 
 class Resampler {
@@ -64,8 +57,8 @@ void Resampler::PutJoint(const Between& place, int joint, std::size_t to, Captur
     return;
   }
   if (!Sees(place.before + 1, joint)) return;
-  std::array<double, 4> weights = {0.0, 1.0 - place.share, place.share, 0.0};
-  if (Sees(place.before - 1, joint) && Sees(place.before + 2, joint)) weights = CubicWeights(place.share);
+  const bool has_outer = Sees(place.before - 1, joint) && Sees(place.before + 2, joint);
+  const std::array<double, 4> weights = has_outer ? CubicWeights(place.share) : LinearWeights(place.share);
   std::array<double, 2> point = {0.0, 0.0};
   for (int k = 0; k < 4; ++k) {
     const double weight = weights[static_cast<std::size_t>(k)];

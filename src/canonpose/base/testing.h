@@ -57,6 +57,14 @@ class CollectedMessages {
 
 }  // namespace canonpose::testing
 
+/// Skips a test of whole captures in the sanitizer build, where it takes minutes and runs no code that shorter tests do
+/// not run.
+#ifdef CANONPOSE_SANITIZED
+#define CANONPOSE_SKIP_UNDER_SANITIZERS() GTEST_SKIP() << "takes minutes under AddressSanitizer"
+#else
+#define CANONPOSE_SKIP_UNDER_SANITIZERS() static_cast<void>(0)
+#endif
+
 /// Skips the test with a message where the file beside the checkout is missing.
 #define CANONPOSE_SKIP_WITHOUT_SHARED(name)                               \
   if (!std::filesystem::exists(::canonpose::testing::Shared(name))) {     \

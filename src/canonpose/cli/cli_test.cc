@@ -407,6 +407,7 @@ TEST(Program, MorphsADetectorsJoints) {
 }
 
 TEST(Program, SolvesAndDistils) {
+  CANONPOSE_SKIP_UNDER_SANITIZERS();
   const TemporaryFolder folder;
   const std::vector<std::string> people = {"--subjects", "1",     "--activities", "gait,dance", "--seconds",
                                            "6",          "--fps", "20",           "--seed",     "4"};
@@ -687,6 +688,7 @@ TEST(Program, InterruptedTrainingSavesAndSaysHowToContinue) {
 }
 
 TEST(Program, KilledAtTwentyRandomMomentsAndResumedGivesTheSameBits) {
+  CANONPOSE_SKIP_UNDER_SANITIZERS();
   const TemporaryFolder folder;
   WriteData(folder / "data.h5");
   std::vector<std::string> arguments = TrainArguments(folder / "data.h5", folder / "whole");

@@ -77,6 +77,7 @@ INSTANTIATE_TEST_SUITE_P(All, FactorisedRigs,
                                            Rig{"studio", 2, "quarter", 1.0, 20.0}));
 
 TEST(Factorisation, LeadsTheSolverToTheTruth) {
+  CANONPOSE_SKIP_UNDER_SANITIZERS();
   for (const char* spread : {"even", "quarter"}) {
     Dataset dataset = Filmed("studio", 4, spread, 1.0);
     const SolveReport report = Solve(dataset, FactorisedStart(dataset, "walk.h5"), {});

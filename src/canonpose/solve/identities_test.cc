@@ -42,6 +42,7 @@ TEST(Identities, ThreePeopleWhoseTracksAreBrokenAndExchanged) {
 }
 
 TEST(Identities, DoNotDependOnThreads) {
+  CANONPOSE_SKIP_UNDER_SANITIZERS();
   const Crowd crowd = MakeCrowd(SmallCrowd(2));
   const PeopleObservations people = Observe(crowd);
   const FoundPeople one = FindPeople(people, {.threads = 1});

@@ -232,6 +232,7 @@ Dataset ExactHandheldCapture() {
 }
 
 TEST(Solve, AnUndecidedMirrorIsAGuessUnlessTheStartKnowsIt) {
+  CANONPOSE_SKIP_UNDER_SANITIZERS();
   SimulationOptions options = testing::SmallSimulation();
   options.clips = 1;
   options.seconds = 3.0;
@@ -254,6 +255,7 @@ TEST(Solve, AnUndecidedMirrorIsAGuessUnlessTheStartKnowsIt) {
 }
 
 TEST(Solve, SaysWhatItTriesWhereACameraDoesNotFit) {
+  CANONPOSE_SKIP_UNDER_SANITIZERS();
   SimulationOptions options = testing::SmallSimulation();
   options.activities = {Activity::kGesture};
   options.clips = 1;
@@ -297,6 +299,7 @@ bool SameBits(const Dataset& a, const Dataset& b) {
 }
 
 TEST(Solve, TheNumberOfThreadsDoesNotMatter) {
+  CANONPOSE_SKIP_UNDER_SANITIZERS();
   for (const char* rig : {"studio", "ptz"}) {
     SimulationOptions options = testing::SmallSimulation();
     options.rig.kind = rig;
@@ -379,6 +382,7 @@ double MeanErrorMm(const Dataset& dataset) {
 }
 
 TEST(Solve, AnInventedLimbCostsNoMoreThanAHiddenOne) {
+  CANONPOSE_SKIP_UNDER_SANITIZERS();
   SimulationOptions options = testing::SmallSimulation();
   options.clips = 1;
   Dataset hidden = testing::Simulate(options).dataset;
@@ -422,6 +426,7 @@ void Delay(CameraView& view, int joints, int frames) {
 }
 
 TEST(Solve, ADelayedCameraIsSolvedAtItsOwnFrames) {
+  CANONPOSE_SKIP_UNDER_SANITIZERS();
   SimulationOptions options = testing::SmallSimulation();
   options.clips = 1;
   options.seconds = 12.0;

@@ -270,6 +270,7 @@ TEST_P(TrainInPieces, InterruptedAndResumedGivesTheSameBitsAndMetrics) {
 }
 
 TEST(Train, LearnsTheBodyTheRightWayRoundForEverySeed) {
+  CANONPOSE_SKIP_UNDER_SANITIZERS();
   int flipped = 0;
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const TemporaryFolder folder;

@@ -159,15 +159,18 @@ void AdjustmentProblem::AddBones() {
 void AdjustmentProblem::AddUnit() {
   constexpr double kWeight = 1e3;
   if (!options_.free_bones) return;
+  // Of all subjects together: the start makes everybody equally large, and if that had to hold for one of them, who is
+  // small would have to make everything else larger.
+  std::vector<double*> bones;
+  std::vector<int> bones_of_bodies;
   for (std::vector<double>& lengths : estimate_.log_bone_lengths) {
-    std::vector<double*> bones;
+    const std::size_t before = bones.size();
     for (double& length : lengths) {
       if (problem_.HasParameterBlock(&length)) bones.push_back(&length);
     }
-    if (bones.empty()) continue;
-    problem_.AddResidualBlock(new UnitTerm(static_cast<int>(bones.size()), kWeight), nullptr, bones);
-    return;  // cameras tie the other subjects to the first
+    if (bones.size() > before) bones_of_bodies.push_back(static_cast<int>(bones.size() - before));
   }
+  if (!bones.empty()) problem_.AddResidualBlock(new UnitTerm(std::move(bones_of_bodies), kWeight), nullptr, bones);
 }
 
 void AdjustmentProblem::AddAccelerations() {

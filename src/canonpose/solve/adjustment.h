@@ -5,7 +5,7 @@
 //     + sum over n, bones     ( log(|X_na - X_nb| / L_b) / sigma_bone )^2                     bones keep their lengths
 //     + sum over n, j         huber( |X_n-1j - 2 X_nj + X_n+1j| / sigma_acc_j )               motion is smooth
 //     + sum over v            ( (log f_v - log f_expected) / sigma_focal )^2                  lenses are ordinary ones
-//     + 10^6 ( log(sum over bones L_b) )^2                                                    the unit; one subject's
+//     + 10^6 ( mean over subjects log(sum over bones L_b) )^2                                 the unit
 //   static cameras:
 //     + sum over pairs v, w   ( log(f_v / f_w) / sigma_between )^2                            lenses are alike
 //   moving cameras, which have focal lengths f_nv:

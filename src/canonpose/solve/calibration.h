@@ -12,6 +12,9 @@ namespace canonpose {
 /// The evidence, in standard errors, from which on it decides between a solution and its mirror.
 inline constexpr double kDecisiveSigma = 4.0;
 
+/// The focal length of a wide lens, in image diagonals: 95 degrees from corner to corner.
+inline constexpr double kWideLens = 0.45;
+
 struct CalibrationOptions {
   std::string mirror = "auto";  ///< auto, keep or flip; see SolveOptions (solver.h)
   int frames = 400;             ///< of a static capture

@@ -11,9 +11,11 @@
 #include <fmt/format.h>
 
 #include "canonpose/base/error.h"
+#include "canonpose/base/median.h"
 #include "canonpose/base/parallel.h"
 #include "canonpose/base/progress.h"
 #include "canonpose/solve/calibration.h"
+#include "canonpose/solve/camera_check.h"
 #include "canonpose/solve/diagnosis.h"
 #include "canonpose/solve/frame_choice.h"
 #include "canonpose/solve/people_parts.h"
@@ -63,6 +65,17 @@ std::vector<Person> MostSeen(std::vector<Person> persons, std::size_t count) {
   return persons;
 }
 
+/// Wide lenses may not be found from the focal length of a normal lens, nor the other way round.
+Solution BetterOfTwoLenses(const CaptureObservations& capture, CalibrationOptions options) {
+  Solution normal = CalibrateStatic(capture, options);
+  options.first_focal = kWideLens;
+  Solution wide = CalibrateStatic(capture, options);
+  const bool is_better =
+      wide.calibration_summary.IsUsable() &&
+      (!normal.calibration_summary.IsUsable() || CappedError(capture, wide) < CappedError(capture, normal));
+  return is_better ? std::move(wide) : std::move(normal);
+}
+
 /// Calibrates the cameras from some people.
 Candidate Calibrated(const PeopleObservations& people, const std::vector<Person>& persons, bool knows_depth_sign,
                      int frame_count, int iterations) {
@@ -78,21 +91,23 @@ Candidate Calibrated(const PeopleObservations& people, const std::vector<Person>
   options.mirror = knows_depth_sign ? "keep" : "auto";
   options.frames = frame_count;
   options.max_iterations = iterations;
-  const Solution solution = CalibrateStatic(capture, options);
+  const Solution solution = BetterOfTwoLenses(capture, options);
   if (!solution.calibration_summary.IsUsable()) return candidate;
   candidate.is_usable = true;
   candidate.known.cameras = solution.estimate.cameras;
-  double sum = 0.0;
-  double bones = 0.0;
+  std::vector<double> sizes;
   for (const std::vector<double>& lengths : solution.estimate.log_bone_lengths) {
+    double sum = 0.0;
+    int bones = 0;
     for (const double length : lengths) {
       if (!std::isfinite(length)) continue;
       sum += std::exp(length);
-      bones += 1.0;
+      ++bones;
     }
+    // A bone that is unknown of somebody must not make people smaller.
+    if (bones > 0) sizes.push_back(sum / bones * (capture.joint_count() - 1));
   }
-  // A bone that is unknown of somebody must not make people smaller.
-  candidate.known.bones = bones > 0.0 ? sum / bones * (capture.joint_count() - 1) : 1.0;
+  if (!sizes.empty()) candidate.known.bones = Median(std::move(sizes));
   return candidate;
 }
 

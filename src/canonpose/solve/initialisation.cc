@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -15,6 +16,7 @@ namespace {
 /// Weight of the start pose relative to a view of full confidence. Chosen by hand.
 constexpr double kPoseWeight = 0.05;
 constexpr int kShapeRounds = 3;
+constexpr int kSizeRounds = 3;
 /// How far a joint is from where the start's poses place it, in units of its bone's length.
 constexpr double kStartScatter = 0.3;
 /// The start counts in directions in which the views leave a joint more open than this, in units of that and of the
@@ -143,6 +145,48 @@ std::vector<Eigen::Vector3d> ChainTranslations(const CaptureObservations& captur
   }
   place_roots();
   return root;
+}
+
+/// How large the subjects are in comparison (S), 1 in the mean: placed by two cameras, the root of somebody who is
+/// taken for too large is too far from both. Is all ones where the cameras do not tell.
+std::vector<double> CompareSizes(const CaptureObservations& capture, std::span<const int> frames,
+                                 std::span<const Eigen::Matrix3d> camera_from_world,
+                                 const std::vector<FrameShape>& shapes, const RigEstimate& estimate) {
+  std::vector<std::vector<double>> found(capture.subjects.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    // size * (x - y) = X - Y, where x and y are the root as two cameras see it, from the cameras' places X and Y.
+    double product = 0.0;
+    double squares = 0.0;
+    for (int v = 0; v < capture.view_count(); ++v) {
+      for (int w = 0; w < v; ++w) {
+        Eigen::Vector3d seen = Eigen::Vector3d::Zero();
+        Eigen::Vector3d place = Eigen::Vector3d::Zero();
+        bool is_known = true;
+        for (const auto& [view, sign] : {std::pair(v, 1.0), {w, -1.0}}) {
+          const CameraEstimate& camera = estimate.cameras[static_cast<std::size_t>(view)];
+          const double scale = shapes[i].scales[static_cast<std::size_t>(view)];
+          is_known = is_known && camera.valid && scale > 0.0;
+          if (!is_known) break;
+          const Eigen::Matrix3d world_from_camera = camera_from_world[static_cast<std::size_t>(view)].transpose();
+          seen += sign * world_from_camera * RootInCamera(capture, frames[i], view, camera.Focal(), scale);
+          place += sign * world_from_camera * Eigen::Vector3d::Map(camera.placement.data());
+        }
+        if (!is_known) continue;
+        product += seen.dot(place);
+        squares += seen.squaredNorm();
+      }
+    }
+    const auto subject = static_cast<std::size_t>(capture.ClipOf(frames[i]).subject);
+    if (product > 0.0) found[subject].push_back(product / squares);
+  }
+  std::vector<double> sizes;
+  double sum = 0.0;
+  for (std::vector<double>& ratios : found) {
+    sizes.push_back(ratios.empty() ? 1.0 : std::clamp(Median(std::move(ratios)), 0.5, 2.0));
+    sum += sizes.back();
+  }
+  for (double& size : sizes) size *= static_cast<double>(sizes.size()) / sum;
+  return sizes;
 }
 
 /// The joints of a skeleton, each after its parent.
@@ -274,7 +318,18 @@ RigEstimate InitialiseStatic(const CaptureObservations& capture, std::span<const
     if (camera_from_world[v].allFinite()) estimate.cameras[v].SetRotation(camera_from_world[v]);
     estimate.cameras[v].log_focal = std::log(focal);
   }
-  const std::vector<Eigen::Vector3d> roots = ChainTranslations(capture, frames, camera_from_world, shapes, estimate);
+  std::vector<Eigen::Vector3d> roots = ChainTranslations(capture, frames, camera_from_world, shapes, estimate);
+  // The start knows no sizes. Where several people are seen, cameras and sizes are found in turns.
+  for (int round = 0; round < kSizeRounds && capture.subjects.size() > 1; ++round) {
+    const std::vector<double> sizes = CompareSizes(capture, frames, camera_from_world, shapes, estimate);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      const double size = sizes[static_cast<std::size_t>(capture.ClipOf(frames[i]).subject)];
+      shapes[i].joints *= size;
+      for (double& scale : shapes[i].scales) scale /= size;
+    }
+    for (CameraEstimate& camera : estimate.cameras) camera.valid = false;
+    roots = ChainTranslations(capture, frames, camera_from_world, shapes, estimate);
+  }
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (!shapes[i].valid || !roots[i].allFinite()) continue;
     for (int j = 0; j < capture.joint_count(); ++j) {

@@ -25,8 +25,9 @@ constexpr double kGoodAgreement = 0.5;
 constexpr double kCoastingSeconds = 1.0;
 constexpr double kSpeedKept = 0.9;
 constexpr double kNewestSpeed = 0.3;
-/// Somebody who appears near where a person was lost a moment ago is that person.
-constexpr double kReturnSeconds = 3.0;
+/// Somebody who appears near where a person was lost a moment ago is that person. Who comes later is known by the bones
+/// (people_parts.h): in three seconds, one of a group leaves and another comes.
+constexpr double kReturnSeconds = 1.5;
 constexpr double kReturnDistance = 0.08;
 constexpr double kReturnPerSecond = 0.25;
 /// Two people whose joints are nearer to each other than this, and whom no view sees as two, are one.

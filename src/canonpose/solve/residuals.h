@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -151,26 +153,36 @@ struct BoneTerm {
   }
 };
 
-/// weight * log(sum of bone lengths), 1 residual; parameters log bone lengths (1 each). Fixes the unit, which keypoints
-/// leave open; without it, smoothness would make everything shrink.
+/// weight * mean over bodies of log(sum of the body's bone lengths), 1 residual; parameters log bone lengths (1 each),
+/// one body's after the other's. Fixes the unit, which keypoints leave open; without it, smoothness would make
+/// everything shrink.
 class UnitTerm : public ceres::CostFunction {
  public:
-  UnitTerm(int bones, double weight) : weight_(weight) {
+  /// `bones`: how many each body has.
+  UnitTerm(std::vector<int> bones, double weight)
+      : bones_(std::move(bones)), weight_(weight / static_cast<double>(bones_.size())) {
     set_num_residuals(1);
-    mutable_parameter_block_sizes()->assign(static_cast<std::size_t>(bones), 1);
+    mutable_parameter_block_sizes()->assign(static_cast<std::size_t>(std::accumulate(bones_.begin(), bones_.end(), 0)),
+                                            1);
   }
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    const std::size_t bones = parameter_block_sizes().size();
-    double sum = 0.0;
-    for (std::size_t b = 0; b < bones; ++b) sum += std::exp(*parameters[b]);
-    residuals[0] = weight_ * std::log(sum);
-    for (std::size_t b = 0; jacobians != nullptr && b < bones; ++b) {
-      if (jacobians[b] != nullptr) jacobians[b][0] = weight_ * std::exp(*parameters[b]) / sum;
+    residuals[0] = 0.0;
+    std::size_t first = 0;
+    for (const int bones : bones_) {
+      const std::size_t end = first + static_cast<std::size_t>(bones);
+      double sum = 0.0;
+      for (std::size_t b = first; b < end; ++b) sum += std::exp(*parameters[b]);
+      residuals[0] += weight_ * std::log(sum);
+      for (std::size_t b = first; jacobians != nullptr && b < end; ++b) {
+        if (jacobians[b] != nullptr) jacobians[b][0] = weight_ * std::exp(*parameters[b]) / sum;
+      }
+      first = end;
     }
     return true;
   }
 
  private:
+  std::vector<int> bones_;
   double weight_;
 };
 

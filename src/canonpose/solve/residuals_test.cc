@@ -103,9 +103,9 @@ TEST(Residuals, Bones) {
 }
 
 TEST(Residuals, Unit) {
-  const UnitTerm term(3, 10.0);
+  const UnitTerm term({2, 1}, 10.0);
   ExpectRightJacobians(term, {{-1.0}, {-2.0}, {-0.5}});
-  const double log_lengths[] = {std::log(0.2), std::log(0.3), std::log(0.5)};
+  const double log_lengths[] = {std::log(0.2), std::log(0.3), std::log(2.0)};  // one body half, one twice the unit
   const double* parameters[] = {&log_lengths[0], &log_lengths[1], &log_lengths[2]};
   double residual;
   ASSERT_TRUE(term.Evaluate(parameters, &residual, nullptr));

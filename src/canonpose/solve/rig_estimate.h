@@ -36,8 +36,8 @@ struct CameraEstimate {
   [[nodiscard]] double Focal() const { return std::exp(log_focal); }
 };
 
-/// F frames, V views, J joints. Lengths are in body units: the sum of all bone lengths is 1 (of the first subject's,
-/// where a static capture shows several).
+/// F frames, V views, J joints. Lengths are in body units: the sum of all bone lengths is 1 (in the geometric
+/// mean of the subjects, where a static capture shows several).
 struct RigEstimate {
   bool static_cameras = true;
   int view_count = 0;

@@ -42,8 +42,6 @@ constexpr int kQuickIterations = 25;
 /// cameras invents is 3 %.
 constexpr double kInventedThatMatter = 0.005;
 
-/// The focal length of a wide lens, in image diagonals: 95 degrees from corner to corner.
-constexpr double kWideLens = 0.45;
 /// A start from wide lenses has won where the error is below this multiple.
 constexpr double kGainOfWideLens = 0.9;
 

@@ -128,6 +128,27 @@ TEST(InitialiseStatic, IsNearTheTruth) {
   }
 }
 
+TEST(InitialiseStatic, ComparesTheSizesOfSeveralPeople) {
+  // The start's poses have no size: a child is taken for as large as an adult, and placed too far from every camera.
+  ExactRigOptions options;
+  options.clips = 2;
+  ExactRig rig = MakeExactRig(options);
+  rig.capture.subjects = {"child", "adult"};
+  rig.capture.clips[1].subject = 1;
+  for (int n = 0; n < options.frames; ++n) {
+    const Eigen::Vector3d root = rig.truth.Joint(n, rig.capture.skeleton.root);
+    for (int j = 0; j < rig.capture.joint_count(); ++j) {
+      rig.truth.Joint(n, j) = root + 0.7 * (rig.truth.Joint(n, j) - root);
+    }
+  }
+  testing::SeeJoints(rig.truth, 0.0, 0, rig.capture);
+  const std::vector<int> frames = {0, 7, 14, 21, 28, 40, 47, 54, 61, 68};
+  const RigEstimate estimate = InitialiseStatic(rig.capture, frames, RotationsIn(rig.truth, 0), false);
+  for (std::size_t j = 1; j < estimate.log_bone_lengths[0].size(); ++j) {
+    EXPECT_NEAR(estimate.log_bone_lengths[1][j] - estimate.log_bone_lengths[0][j], -std::log(0.7), 0.06) << j;
+  }
+}
+
 TEST(InitialiseStatic, LeavesCamerasOutThatNothingTiesToTheOthers) {
   ExactRig rig = MakeExactRig();
   std::vector<Eigen::Matrix3d> rotations = RotationsIn(rig.truth, 0);

@@ -70,10 +70,12 @@ void CountFrames(const CaptureObservations& capture, const RigEstimate& estimate
   for (int n = 0; n < capture.frame_count; ++n) {
     const bool has_failed = in_failed_window[static_cast<std::size_t>(n)];
     int seen = 0;
+    bool is_seen = false;
     for (int v = 0; v < capture.view_count(); ++v) {
       bool any = false;
       for (int j = 0; j < capture.joint_count(); ++j) any = any || capture.Sees(n, v, j);
       // The moving cameras of a window that failed are not valid any more.
+      is_seen = is_seen || any;
       seen += any && (estimate.CameraAt(n, v).valid || has_failed) ? 1 : 0;
     }
     bool solved = false;
@@ -82,6 +84,7 @@ void CountFrames(const CaptureObservations& capture, const RigEstimate& estimate
       ++report.frames_solved;
     } else if (seen < 2) {
       ++report.frames_too_few_views;
+      report.frames_unseen += is_seen ? 0 : 1;
     } else if (has_failed) {
       ++report.frames_in_failed_windows;
     }
@@ -307,8 +310,11 @@ std::string CaptureReport::Trust() const {
   if (unused > 0) doubts.push_back(fmt::format("{} of {} cameras are left out", unused, cameras.size()));
   const auto partly = std::ranges::count_if(findings, [](const CameraFinding& finding) { return !finding.corrected; });
   if (partly > unused) doubts.push_back("some stretches of time are left out");
-  if (frames_solved < frames)
-    doubts.push_back(fmt::format("{} of {} frames have no pose", frames - frames_solved, frames));
+  // Of several people, one comes and another goes.
+  const int expected = frames - frames_unseen;
+  if (frames_solved < expected) {
+    doubts.push_back(fmt::format("{} of {} frames have no pose", expected - frames_solved, expected));
+  }
   if (mirror.starts_with("undecided")) doubts.push_back("depth may be mirrored");
   for (const CameraReport& camera : cameras) {
     if (camera.used && camera.outlier_percent > kManyOutliersPercent) {
@@ -428,6 +434,7 @@ std::string SolveReport::ToJson() const {
     if (capture.failure.empty()) {
       one["frames_solved"] = capture.frames_solved;
       one["frames_too_few_views"] = capture.frames_too_few_views;
+      one["frames_unseen"] = capture.frames_unseen;
       one["frames_in_failed_windows"] = capture.frames_in_failed_windows;
       one["reprojection_percent"] = capture.reprojection_percent;
       one["largest_view_angle_deg"] = capture.largest_view_angle_deg;

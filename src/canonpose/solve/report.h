@@ -44,6 +44,7 @@ struct CaptureReport {
   int frames = 0;
   int frames_solved = 0;             ///< with a pose in at least one view
   int frames_too_few_views = 0;      ///< not solved since fewer than two cameras saw the person
+  int frames_unseen = 0;             ///< of these, in which no camera did: the person may not have been there
   int frames_in_failed_windows = 0;  ///< seen well enough, but not solved: see `windows`
   double reprojection_percent = 0.0;
   double largest_view_angle_deg = 0.0;  ///< between the viewing directions of two cameras

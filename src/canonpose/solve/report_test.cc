@@ -1,5 +1,6 @@
 #include "canonpose/solve/report.h"
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -118,6 +119,27 @@ TEST(Report, IsQuietWhereNothingWentWrong) {
   EXPECT_EQ(report.frames_solved, 40);
   EXPECT_THAT(report.warnings, IsEmpty());
   EXPECT_THAT(SolveReport{{report}}.ToText(), Not(HasSubstr("adjustment")));
+}
+
+TEST(Report, WhoIsNotThereIsNotMissed) {
+  ExactRig rig = MakeExactRig();
+  Solution solution;
+  solution.estimate = rig.truth;
+  const auto report_without = [&](int frame, int views) {
+    for (int j = 0; j < rig.capture.joint_count(); ++j) {
+      solution.estimate.Joint(frame, j).setConstant(std::nan(""));
+      for (int v = 0; v < views; ++v) testing::Hide(rig.capture, frame, v, j);
+    }
+    return MakeReport(rig.capture, solution, {}, "auto");
+  };
+  const CaptureReport away = report_without(5, 4);
+  EXPECT_EQ(away.frames_too_few_views, 1);
+  EXPECT_EQ(away.frames_unseen, 1);
+  EXPECT_THAT(away.Trust(), Not(HasSubstr("have no pose")));
+  const CaptureReport hidden = report_without(7, 3);
+  EXPECT_EQ(hidden.frames_too_few_views, 2);
+  EXPECT_EQ(hidden.frames_unseen, 1);
+  EXPECT_THAT(hidden.Trust(), HasSubstr("1 of 39 frames have no pose"));
 }
 
 CaptureReport WithOutliers(const std::vector<double>& percents) {

@@ -476,6 +476,11 @@ double CappedError(const CaptureObservations& capture, const Solution& solution)
   return count > 0 ? sum / static_cast<double>(count) : std::nan("");
 }
 
+bool FitsBetter(const CaptureObservations& capture, const Solution& solution, const Solution& other, double gain) {
+  if (!solution.calibration_summary.IsUsable()) return false;
+  return !other.calibration_summary.IsUsable() || CappedError(capture, solution) < gain * CappedError(capture, other);
+}
+
 CameraCheck CheckCameras(CaptureObservations& capture, const Calibrate& calibrate, const Calibrate& calibrate_quickly,
                          Solution& solution) {
   CameraCheck check(capture);

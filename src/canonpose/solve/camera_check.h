@@ -58,4 +58,7 @@ double MedianError(const CaptureObservations& capture, const Solution& solution)
 /// wrong.
 double CappedError(const CaptureObservations& capture, const Solution& solution);
 
+/// Whether a solution is usable and its CappedError() less than `gain` times that of another, if the other is usable.
+bool FitsBetter(const CaptureObservations& capture, const Solution& solution, const Solution& other, double gain = 1.0);
+
 }  // namespace canonpose

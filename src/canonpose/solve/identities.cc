@@ -70,10 +70,7 @@ Solution BetterOfTwoLenses(const CaptureObservations& capture, CalibrationOption
   Solution normal = CalibrateStatic(capture, options);
   options.first_focal = kWideLens;
   Solution wide = CalibrateStatic(capture, options);
-  const bool is_better =
-      wide.calibration_summary.IsUsable() &&
-      (!normal.calibration_summary.IsUsable() || CappedError(capture, wide) < CappedError(capture, normal));
-  return is_better ? std::move(wide) : std::move(normal);
+  return FitsBetter(capture, wide, normal) ? std::move(wide) : std::move(normal);
 }
 
 /// Calibrates the cameras from some people.

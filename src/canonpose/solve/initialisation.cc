@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -103,6 +102,7 @@ std::vector<Eigen::Vector3d> ChainTranslations(const CaptureObservations& captur
                                                const std::vector<FrameShape>& shapes, RigEstimate& estimate) {
   const auto views = static_cast<std::size_t>(capture.view_count());
   std::vector<Eigen::Vector3d> root(frames.size());
+  for (CameraEstimate& camera : estimate.cameras) camera.valid = false;
   const auto place_roots = [&] {
     for (std::size_t i = 0; i < frames.size(); ++i) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -154,26 +154,26 @@ std::vector<double> CompareSizes(const CaptureObservations& capture, std::span<c
                                  const std::vector<FrameShape>& shapes, const RigEstimate& estimate) {
   std::vector<std::vector<double>> found(capture.subjects.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    // size * (x - y) = X - Y, where x and y are the root as two cameras see it, from the cameras' places X and Y.
+    // Of the cameras that see somebody: the root from the camera, and the origin from there, in the world's axes.
+    std::vector<Eigen::Vector3d> roots;
+    std::vector<Eigen::Vector3d> origins;
+    for (std::size_t v = 0; v < estimate.cameras.size(); ++v) {
+      const CameraEstimate& camera = estimate.cameras[v];
+      const double scale = shapes[i].scales[v];
+      if (!camera.valid || !(scale > 0.0)) continue;
+      const Eigen::Matrix3d world_from_camera = camera_from_world[v].transpose();
+      roots.emplace_back(world_from_camera *
+                         RootInCamera(capture, frames[i], static_cast<int>(v), camera.Focal(), scale));
+      origins.emplace_back(world_from_camera * Eigen::Vector3d::Map(camera.placement.data()));
+    }
+    // Two cameras agree on the root where size * (root - other root) = origin - other origin.
     double product = 0.0;
     double squares = 0.0;
-    for (int v = 0; v < capture.view_count(); ++v) {
-      for (int w = 0; w < v; ++w) {
-        Eigen::Vector3d seen = Eigen::Vector3d::Zero();
-        Eigen::Vector3d place = Eigen::Vector3d::Zero();
-        bool is_known = true;
-        for (const auto& [view, sign] : {std::pair(v, 1.0), {w, -1.0}}) {
-          const CameraEstimate& camera = estimate.cameras[static_cast<std::size_t>(view)];
-          const double scale = shapes[i].scales[static_cast<std::size_t>(view)];
-          is_known = is_known && camera.valid && scale > 0.0;
-          if (!is_known) break;
-          const Eigen::Matrix3d world_from_camera = camera_from_world[static_cast<std::size_t>(view)].transpose();
-          seen += sign * world_from_camera * RootInCamera(capture, frames[i], view, camera.Focal(), scale);
-          place += sign * world_from_camera * Eigen::Vector3d::Map(camera.placement.data());
-        }
-        if (!is_known) continue;
-        product += seen.dot(place);
-        squares += seen.squaredNorm();
+    for (std::size_t a = 0; a < roots.size(); ++a) {
+      for (std::size_t b = 0; b < a; ++b) {
+        const Eigen::Vector3d difference = roots[a] - roots[b];
+        product += difference.dot(origins[a] - origins[b]);
+        squares += difference.squaredNorm();
       }
     }
     const auto subject = static_cast<std::size_t>(capture.ClipOf(frames[i]).subject);
@@ -327,7 +327,6 @@ RigEstimate InitialiseStatic(const CaptureObservations& capture, std::span<const
       shapes[i].joints *= size;
       for (double& scale : shapes[i].scales) scale /= size;
     }
-    for (CameraEstimate& camera : estimate.cameras) camera.valid = false;
     roots = ChainTranslations(capture, frames, camera_from_world, shapes, estimate);
   }
   for (std::size_t i = 0; i < frames.size(); ++i) {

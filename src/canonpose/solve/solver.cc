@@ -80,10 +80,7 @@ Solution ChooseLens(const CaptureObservations& capture, CalibrationOptions& opti
   CalibrationOptions wide = options;
   wide.first_focal = kWideLens;
   Solution other = CalibrateStatic(capture, wide);
-  const bool is_better = other.calibration_summary.IsUsable() &&
-                         (!normal.calibration_summary.IsUsable() ||
-                          CappedError(capture, other) < kGainOfWideLens * CappedError(capture, normal));
-  if (!is_better) return normal;
+  if (!FitsBetter(capture, other, normal, kGainOfWideLens)) return normal;
   options = wide;
   return other;
 }
